@@ -1,0 +1,117 @@
+"""The moving elastic section of every case of a batch: its arrays, and where its points are and how they move.
+
+Reade & Jankauski (2020), Eqs 1-8. Chordwise axis `e_y = (cos theta, sin theta)` and normal axis
+`e_z = (-sin theta, cos theta)` in (Y, Z); a point sits at `(0, Z) + y e_y + W e_z` with `W = sum_k phi_k q_k`.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from . import beam, motion
+from .case import Case
+from .linear import octets
+from .motion import PITCH, PLUNGE_RATE
+from .runtime import Floats1, Floats2, Floats3, Ints1, Octet, Octets3, View, ti
+
+NORMAL, AXIAL, MOMENT, UNSTEADY = range(4)
+"""Columns of `force`: along e_z, along e_y (N), about the pivot (N m), and the share of the normal force
+that comes from acceleration (DBET: added mass; UVLM: d(Gamma)/dt)."""
+
+C0, C1, C2, BETA = range(4)
+"""Entries of a differencing rule: `x' = C0 x + C1 x_before + C2 x_before_that`, and `BETA = dx / dx'`."""
+
+AMPLITUDE, RATE, ACCEL = range(3)
+"""Rows of a modal state, shape (case, row, mode)."""
+
+STIFFNESS, DAMPING, LAMBDA, PSI = range(4)
+"""Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k."""
+
+Body = ti.types.argpack(
+    modes=Ints1,
+    steps=Ints1,  # steps that the case asks for
+    every=Ints1,  # steps between frames
+    failed=Ints1,  # step at which a value was not finite; -1 while all is well
+    dt=Floats1,
+    motion=Floats3,  # (case, step, 6), see taichiflap.motion
+    constant=Floats3,
+    q=Floats3,  # modal state now ...
+    q_before=Floats3,  # ... and one step earlier
+    q_known=Floats3,  # what the coming step's amplitude and rate are with no acceleration
+    q_guess=Floats3,  # where they are expected to be, to second order
+    load=Floats2,  # modal force Q_j with no modal acceleration
+    response=Floats3,  # d Q_j / d qdd_k
+    force=Floats2,
+    system=Octets3,
+    factor=Floats2,
+)
+
+
+def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes]) -> Any:
+    """Arrays of a batch, at rest, with the motion of every case sampled at all its steps."""
+    count = len(cases)
+    most = most_modes(sections)
+    sampled = np.zeros((count, max(case.steps for case in cases) + 1, 6))
+    constant = np.zeros((count, 4, most))
+    for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
+        sampled[b, : case.steps + 1] = motion.sample(case.motion, case.step * np.arange(case.steps + 1))
+        damping = 2.0 * section.damping_ratio * section.omega
+        constant[b, :, : section.count] = section.omega**2, damping, section.lam, section.psi
+    return Body(
+        modes=array([section.count for section in sections]),
+        steps=array([case.steps for case in cases]),
+        every=array([case.output.every for case in cases]),
+        failed=array([-1] * count),
+        dt=array([case.step for case in cases], float),
+        motion=array(sampled),
+        constant=array(constant),
+        q=zeros(ti.f64, count, 3, most),
+        q_before=zeros(ti.f64, count, 2, most),
+        q_known=zeros(ti.f64, count, 2, most),
+        q_guess=zeros(ti.f64, count, 2, most),
+        load=zeros(ti.f64, count, most),
+        response=zeros(ti.f64, count, most, most),
+        force=zeros(ti.f64, count, 4),
+        system=zeros(Octet, count, most, octets(most) + 1),
+        factor=zeros(ti.f64, count, most),
+    )
+
+
+def most_modes(sections: Sequence[beam.Modes]) -> int:
+    """Room for modes that a batch needs: never none, so that no array is empty."""
+    return max(1, *(section.count for section in sections))
+
+
+def array(values: Any, dtype: type | None = None) -> Any:
+    """A Taichi array of doubles or 32-bit integers that holds `values`."""
+    values = np.asarray(values, dtype=dtype)
+    kind = np.float64 if values.dtype.kind == "f" else np.int32
+    made = ti.ndarray(ti.f64 if kind is np.float64 else ti.i32, values.shape)
+    made.from_numpy(np.ascontiguousarray(values, dtype=kind))
+    return made
+
+
+def zeros(dtype: Any, *shape: int) -> Any:
+    """A Taichi array of zeros."""
+    made = ti.ndarray(dtype, shape)
+    made.fill(0)
+    return made
+
+
+@ti.func
+def superpose(shape: View, state: View, b, row, point, count):
+    """`sum_k phi_k(point) q_k` of a row of a modal state: deflection W (Eq. 8), its rate or acceleration."""
+    total = 0.0
+    for k in range(count):
+        total += shape[b, k, point] * state[b, row, k]
+    return total
+
+
+@ti.func
+def pivot_velocity(body: View, stream: View, b, n):
+    """Velocity of the pivot relative to the free stream, along e_y and e_z (Eq. 6 with y = W = 0)."""
+    cosine = ti.cos(body.motion[b, n, PITCH])
+    sine = ti.sin(body.motion[b, n, PITCH])
+    along = body.motion[b, n, PLUNGE_RATE] - stream[b, 1]
+    return along * sine - stream[b, 0] * cosine, along * cosine + stream[b, 0] * sine

@@ -1,0 +1,246 @@
+"""Time integration of modes and fluid, strongly coupled, for a batch of cases.
+
+Modal equation (Reade & Jankauski 2020, Eq. 11, with the damping that Table 1 gives):
+
+    qdd_k + 2 zeta_k w_k qd_k + (w_k^2 - thd^2) q_k = -lambda_k Zdd cos(th) - psi_k thdd + Q_k
+
+Every time derivative, of the modes and of the fluid alike, is the second-order backward difference (BDF2): the
+added mass that a fluid feels is then exactly the one that the modes feel, whatever the mass ratio. For a given
+geometry the modal force is linear in the modal acceleration, `Q = load + response qdd`, so that each step is
+one small linear solve, without iteration. The geometry is that of a second-order extrapolation.
+
+A fluid model is a module that has
+
+- `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames;
+- `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`; `nodes(case)`;
+- `prepare(batch, b, n, rule)`: adds to `body.load` and `body.response`;
+- `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
+- `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding.
+"""
+
+import functools
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from . import beam, linear
+from . import body as bodies
+from .body import ACCEL, AMPLITUDE, BETA, C0, C1, C2, DAMPING, LAMBDA, PSI, RATE, STIFFNESS, Body
+from .case import Case
+from .motion import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from .runtime import LANE, Floats3, Floats4, Octet, View, start, tasks, ti
+
+Track = ti.types.argpack(q=Floats4, modal_force=Floats3, force=Floats3)
+"""What every case leaves a frame: (case, frame, 3, mode), (case, frame, mode) and (case, frame, 4)."""
+
+
+@ti.func
+def differencing(n, dt):
+    """Backward differences of order 0, 1 and then 2: a case starts from rest with nothing behind it."""
+    rule = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if n == 1:
+        rule = ti.Vector([1.0 / dt, -1.0 / dt, 0.0, dt])
+    elif n > 1:
+        rule = ti.Vector([1.5 / dt, -2.0 / dt, 0.5 / dt, dt / 1.5])
+    return rule
+
+
+@ti.func
+def predict(body: View, b, n, rule):
+    """What the next amplitudes and rates are without acceleration, and what they will be to second order."""
+    dt = body.dt[b]
+    for k in range(body.modes[b]):
+        body.load[b, k] = 0.0
+        for j in range(body.modes[b]):
+            body.response[b, j, k] = 0.0
+        if n == 0:
+            for row in ti.static((AMPLITUDE, RATE)):
+                body.q_known[b, row, k] = body.q[b, row, k]
+                body.q_guess[b, row, k] = body.q[b, row, k]
+        else:
+            accel = body.q[b, ACCEL, k]
+            rate = body.q[b, RATE, k]
+            body.q_guess[b, AMPLITUDE, k] = body.q[b, AMPLITUDE, k] + dt * (rate + 0.5 * dt * accel)
+            body.q_guess[b, RATE, k] = rate + dt * accel
+            for row in ti.static((AMPLITUDE, RATE)):
+                now = body.q[b, row, k]
+                body.q_known[b, row, k] = -(rule[C1] * now + rule[C2] * body.q_before[b, row, k]) / rule[C0]
+                body.q_before[b, row, k] = now
+
+
+@ti.func
+def accelerate(body: View, b, n, rule):
+    """Solve the modal equation for the acceleration and update amplitudes and rates with it."""
+    modes = body.modes[b]
+    beta = rule[BETA]
+    heave = body.motion[b, n, PLUNGE_ACCEL] * ti.cos(body.motion[b, n, PITCH])
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    theta_accel = body.motion[b, n, PITCH_ACCEL]
+    rhs = (modes + 7) // 8
+    for j in range(modes):
+        stiffness = body.constant[b, STIFFNESS, j] - theta_rate * theta_rate
+        damping = body.constant[b, DAMPING, j]
+        known = body.q_known[b, RATE, j]
+        force = (
+            body.load[b, j]
+            - body.constant[b, LAMBDA, j] * heave
+            - body.constant[b, PSI, j] * theta_accel
+            - damping * known
+            - stiffness * (body.q_known[b, AMPLITUDE, j] + beta * known)
+        )
+        for block in range(rhs):
+            row = Octet(0.0)
+            for lane in ti.static(range(8)):
+                k = 8 * block + lane
+                if k < modes:
+                    row[lane] = -body.response[b, j, k]
+                    if k == j:
+                        row[lane] += 1.0 + beta * (damping + beta * stiffness)
+            body.system[b, j, block] = row
+        last = Octet(0.0)
+        last[0] = force
+        body.system[b, j, rhs] = last
+    linear.solve(body.system, body.factor, b, modes, rhs + 1)
+    for k in range(modes):
+        accel = linear.element(body.system, b, k, 8 * rhs)
+        rate = body.q_known[b, RATE, k] + beta * accel
+        body.q[b, ACCEL, k] = accel
+        body.q[b, RATE, k] = rate
+        body.q[b, AMPLITUDE, k] = body.q_known[b, AMPLITUDE, k] + beta * rate
+
+
+@ti.func
+def is_finite(body: View, b):
+    total = 0.0
+    for k in range(body.modes[b]):
+        total += body.q[b, ACCEL, k]
+    for c in ti.static(range(4)):
+        total += body.force[b, c]
+    return not (ti.math.isnan(total) or ti.math.isinf(total))
+
+
+@ti.func
+def track_frame(body: View, track: View, b, frame):
+    modes = body.modes[b]
+    for j in range(modes):
+        force = body.load[b, j]
+        for k in range(modes):
+            force += body.response[b, j, k] * body.q[b, ACCEL, k]
+        for row in ti.static((AMPLITUDE, RATE, ACCEL)):
+            track.q[b, frame, row, j] = body.q[b, row, j]
+        track.modal_force[b, frame, j] = force
+    for c in ti.static(range(4)):
+        track.force[b, frame, c] = body.force[b, c]
+
+
+@functools.cache
+def kernel(fluid: ModuleType) -> Any:
+    """The kernel that marches a batch with a fluid model: many steps of many cases in one launch."""
+
+    Batch = ti.types.argpack(body=Body, track=Track, **fluid.GROUPS)
+
+    @ti.func
+    def march_case(batch: View, b, first, last):
+        every = batch.body.every[b]
+        for n in range(first, ti.min(last, batch.body.steps[b] + 1)):
+            if batch.body.failed[b] < 0:
+                rule = differencing(n, batch.body.dt[b])
+                predict(batch.body, b, n, rule)
+                fluid.prepare(batch, b, n, rule)
+                accelerate(batch.body, b, n, rule)
+                fluid.settle(batch, b, n, rule)
+                if not is_finite(batch.body, b):
+                    batch.body.failed[b] = n
+                if n % every == 0:
+                    frame = n // every - (first + every - 1) // every
+                    track_frame(batch.body, batch.track, b, frame)
+                    fluid.record(batch, b, frame)
+
+    @ti.kernel
+    def march(batch: Batch, first: ti.i32, last: ti.i32, cases: ti.i32, lanes: ti.i32):
+        for i in range(lanes * LANE):
+            if i % LANE == 0:
+                for m in range((cases - i // LANE + lanes - 1) // lanes):
+                    march_case(batch, i // LANE + m * lanes, first, last)
+
+    return Batch, march
+
+
+class March:
+    """A batch of cases with one fluid model, marched together.
+
+    Args:
+        cases: cases that share their solver; everything else may differ.
+        fluid: the module of the fluid model.
+        threads: how many threads may work at once; all of them if None. It does not change any result.
+    """
+
+    def __init__(self, cases: Sequence[Case], fluid: ModuleType, threads: int | None = None) -> None:
+        start()
+        self.cases = list(cases)
+        self.fluid = fluid
+        self.sections = [beam.modes(case.wing) for case in self.cases]
+        self.body = bodies.allocate(self.cases, self.sections)
+        self.groups = fluid.allocate(self.cases, self.sections)
+        self.steps = max(case.steps for case in self.cases)
+        self.next_step = 0
+        self._lanes = tasks(len(self.cases), threads)
+        self._room = 0
+
+    @property
+    def done(self) -> bool:
+        """Whether every case has reached its last step."""
+        return self.next_step > self.steps
+
+    def advance(self, steps: int) -> list[dict[str, np.ndarray]]:
+        """March every case by `steps` steps and return its frames on the way.
+
+        The first step is step 0, the state at t = 0. A case that has reached its end, or has failed, rests.
+
+        Returns:
+            For each case its frames: `step`, `q` (amplitude, rate and acceleration of every mode),
+            `modal_force`, `force`, and the film of the fluid model, each with the frame as leading axis.
+        """
+        first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
+        self._make_room(max(len(self._frames(case, first, last)) for case in self.cases))
+        self._kernel(self._batch, first, last, len(self.cases), self._lanes)
+        self.next_step = last
+        return self._collect(first, last)
+
+    def failures(self) -> np.ndarray:
+        """The step at which each case's values ceased to be finite, or -1."""
+        return self.body.failed.to_numpy()
+
+    def _frames(self, case: Case, first: int, last: int) -> np.ndarray:
+        every = case.output.every
+        return np.arange(-(-first // every) * every, min(last, case.steps + 1), every)
+
+    def _make_room(self, frames: int) -> None:
+        if frames <= self._room:
+            return
+        self._room = frames
+        count, _, most = self.body.q.shape
+        self._track = Track(
+            q=ti.ndarray(ti.f64, (count, frames, 3, most)),
+            modal_force=ti.ndarray(ti.f64, (count, frames, most)),
+            force=ti.ndarray(ti.f64, (count, frames, 4)),
+        )
+        self._film = self.fluid.film(self.cases, frames)
+        group, self._kernel = kernel(self.fluid)
+        self._batch = group(body=self.body, track=self._track, film=self._film, **self.groups)
+
+    def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
+        fields = {name: values.to_numpy() for name, values in (*self._track.items, *self._film.items)}
+        failed = self.failures()
+        collected = []
+        for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):
+            step = self._frames(case, first, last)
+            if failed[b] >= 0:
+                step = step[step < failed[b]]
+            frames = {name: values[b, : len(step)] for name, values in fields.items()}
+            frames["q"] = frames["q"][..., : section.count]
+            frames["modal_force"] = frames["modal_force"][:, : section.count]
+            collected.append({"step": step, **self.fluid.trim(frames, case)})
+        return collected

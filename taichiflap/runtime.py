@@ -1,0 +1,71 @@
+"""The one doorway to Taichi: start-up, precision, threads, and quiet.
+
+Every kernel module takes `ti`, the array types and the parallel idiom from here, so that the backend
+(or a fork of it) can be changed in one place.
+"""
+
+import contextlib
+import io
+import os
+from typing import TYPE_CHECKING, Any
+
+# Taichi sends its version and a machine id to an outside host, and prints a banner, unless told not to.
+os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
+os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
+
+if TYPE_CHECKING:
+    # Taichi has no types: to the type checker its names, and what its decorators return, are `Any`.
+    ti: Any = None
+    View = Any
+    Ints1 = Ints2 = Ints3 = Any
+    Floats1 = Floats2 = Floats3 = Floats4 = Singles3 = Singles4 = Octets3 = Any
+else:
+    import taichi as ti
+
+    View = ti.template()
+    """Annotation of a `ti.func` parameter that is an array or a group of arrays."""
+    Ints1, Ints2, Ints3 = (ti.types.ndarray(dtype=ti.i32, ndim=n) for n in (1, 2, 3))
+    Floats1, Floats2, Floats3, Floats4 = (ti.types.ndarray(dtype=ti.f64, ndim=n) for n in (1, 2, 3, 4))
+    Singles3, Singles4 = (ti.types.ndarray(dtype=ti.f32, ndim=n) for n in (3, 4))
+    Octets3 = ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=3)
+
+Octet: Any = ti.types.vector(8, ti.f64) if ti else None
+"""Eight doubles: one AVX-512 register, the unit in which pair sums and eliminations are written."""
+
+LANE = 512
+"""Taichi runs a parallel loop of 512 iterations or fewer on one thread. Kernels therefore loop over
+`tasks * LANE` and let the first iteration of each lane do the lane's work."""
+
+_threads = 0
+
+
+def available_threads() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def start() -> None:
+    """Start Taichi on the CPU with strict IEEE double precision; later calls do nothing."""
+    global _threads  # noqa: PLW0603 - Taichi holds one program a process, and so do we
+    if _threads:
+        return
+    _threads = available_threads()
+    with contextlib.redirect_stdout(io.StringIO()):
+        ti.init(
+            arch=ti.cpu,
+            default_fp=ti.f64,
+            fast_math=False,
+            offline_cache=True,
+            cpu_max_num_threads=_threads,
+            log_level=ti.ERROR,
+        )
+
+
+def tasks(cases: int, threads: int | None = None) -> int:
+    """Number of tasks among which a kernel deals out `cases`, so that at most `threads` of them run at once.
+
+    With all threads allowed every case is a task of its own and the thread pool balances the load.
+    """
+    if threads is None or threads >= _threads:
+        return cases
+    return min(cases, threads)
