@@ -11,9 +11,8 @@ import numpy as np
 
 from . import beam, motion
 from .case import Case
-from .linear import octets
 from .motion import PITCH, PLUNGE_RATE
-from .runtime import Floats1, Floats2, Floats3, Ints1, Octet, Octets3, View, ti
+from .runtime import Floats1, Floats2, Floats3, Ints1, View, ti, view
 
 NORMAL, AXIAL, MOMENT, UNSTEADY = range(4)
 """Columns of `force`: along e_z, along e_y (N), about the pivot (N m), and the share of the normal force
@@ -43,19 +42,24 @@ Body = ti.types.argpack(
     load=Floats2,  # modal force Q_j with no modal acceleration
     response=Floats3,  # d Q_j / d qdd_k
     force=Floats2,
-    system=Octets3,
-    factor=Floats2,
+    system=Floats3,
 )
 
 
-def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes]) -> Any:
-    """Arrays of a batch, at rest, with the motion of every case sampled at all its steps."""
+def sample_motions(cases: Sequence[Case]) -> np.ndarray:
+    """The motion of every case at all its steps, shape (cases, steps + 1, 6)."""
+    sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, 6))
+    for row, case in zip(sampled, cases, strict=True):
+        row[: case.steps + 1] = motion.sample(case.motion, case.step * np.arange(case.steps + 1))
+    return sampled
+
+
+def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.ndarray) -> Any:
+    """Arrays of a batch, at rest."""
     count = len(cases)
     most = most_modes(sections)
-    sampled = np.zeros((count, max(case.steps for case in cases) + 1, 6))
     constant = np.zeros((count, 4, most))
-    for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
-        sampled[b, : case.steps + 1] = motion.sample(case.motion, case.step * np.arange(case.steps + 1))
+    for b, section in enumerate(sections):
         damping = 2.0 * section.damping_ratio * section.omega
         constant[b, :, : section.count] = section.omega**2, damping, section.lam, section.psi
     return Body(
@@ -64,7 +68,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes]) -> Any:
         every=array([case.output.every for case in cases]),
         failed=array([-1] * count),
         dt=array([case.step for case in cases], float),
-        motion=array(sampled),
+        motion=array(motions),
         constant=array(constant),
         q=zeros(ti.f64, count, 3, most),
         q_before=zeros(ti.f64, count, 2, most),
@@ -73,8 +77,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes]) -> Any:
         load=zeros(ti.f64, count, most),
         response=zeros(ti.f64, count, most, most),
         force=zeros(ti.f64, count, 4),
-        system=zeros(Octet, count, most, octets(most) + 1),
-        factor=zeros(ti.f64, count, most),
+        system=zeros(ti.f64, count, most, most + 1),
     )
 
 
@@ -86,16 +89,15 @@ def most_modes(sections: Sequence[beam.Modes]) -> int:
 def array(values: Any, dtype: type | None = None) -> Any:
     """A Taichi array of doubles or 32-bit integers that holds `values`."""
     values = np.asarray(values, dtype=dtype)
-    kind = np.float64 if values.dtype.kind == "f" else np.int32
-    made = ti.ndarray(ti.f64 if kind is np.float64 else ti.i32, values.shape)
-    made.from_numpy(np.ascontiguousarray(values, dtype=kind))
+    made = ti.ndarray(ti.f64 if values.dtype.kind == "f" else ti.i32, values.shape)
+    view(made)[...] = values
     return made
 
 
 def zeros(dtype: Any, *shape: int) -> Any:
     """A Taichi array of zeros."""
     made = ti.ndarray(dtype, shape)
-    made.fill(0)
+    view(made)[...] = 0
     return made
 
 

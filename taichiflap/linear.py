@@ -8,7 +8,7 @@ the compiler knows, so each column block is taken on its own with the pivot row'
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .runtime import LANE, Floats2, Octet, Octets3, View, start, tasks, ti
+from .runtime import LANE, Floats2, Octet, Octets3, View, start, tasks, ti, view
 
 
 def octets(n: int) -> int:
@@ -64,6 +64,22 @@ def solve(a: View, factor: View, b, n, width):
                 a[b, i, j] = a[b, i, j] - element(a, b, i, k) * x
 
 
+@ti.func
+def solve_few(a: View, b, n):
+    """Solve system `b` of a few unknowns in place: `a` is (systems, n, n + 1), the last column the right-hand side.
+
+    Without pivoting: a modal mass matrix is the identity plus the fluid's added mass, damping and stiffness.
+    """
+    for k in range(n):
+        for i in range(n):
+            if i != k:
+                factor = a[b, i, k] / a[b, k, k]
+                for j in range(k + 1, n + 1):
+                    a[b, i, j] = a[b, i, j] - factor * a[b, k, j]
+    for k in range(n):
+        a[b, k, n] = a[b, k, n] / a[b, k, k]
+
+
 @ti.kernel
 def _solve_all(a: Octets3, factor: Floats2, n: ti.i32, lanes: ti.i32):
     for i in range(lanes * LANE):
@@ -92,7 +108,7 @@ def solve_systems(matrix: ArrayLike, rhs: ArrayLike) -> NDArray[np.float64]:
     rows[:, :, :n] = matrix
     rows[:, :, 8 * octets(n) : 8 * octets(n) + r] = rhs
     a = ti.ndarray(Octet, (systems, n, width))
-    a.from_numpy(rows.reshape(systems, n, width, 8))
-    _solve_all(a, ti.ndarray(ti.f64, (systems, n)), n, tasks(systems))
-    solved = a.to_numpy().reshape(systems, n, 8 * width)
+    view(a)[...] = rows.reshape(systems, n, width, 8)
+    _solve_all(a, np.empty((systems, n)), n, tasks(systems))
+    solved = view(a).reshape(systems, n, 8 * width)
     return solved[:, :, 8 * octets(n) : 8 * octets(n) + r]

@@ -12,7 +12,8 @@ one small linear solve, without iteration. The geometry is that of a second-orde
 A fluid model is a module that has
 
 - `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames;
-- `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`; `nodes(case)`;
+- `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`;
+- `nodes(case)`; `work(case)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
 - `prepare(batch, b, n, rule)`: adds to `body.load` and `body.response`;
 - `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
 - `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding.
@@ -30,7 +31,7 @@ from . import body as bodies
 from .body import ACCEL, AMPLITUDE, BETA, C0, C1, C2, DAMPING, LAMBDA, PSI, RATE, STIFFNESS, Body
 from .case import Case
 from .motion import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
-from .runtime import LANE, Floats3, Floats4, Octet, View, start, tasks, ti
+from .runtime import LANE, Floats3, Floats4, View, start, tasks, ti, view
 
 Track = ti.types.argpack(q=Floats4, modal_force=Floats3, force=Floats3)
 """What every case leaves a frame: (case, frame, 3, mode), (case, frame, mode) and (case, frame, 4)."""
@@ -78,33 +79,23 @@ def accelerate(body: View, b, n, rule):
     heave = body.motion[b, n, PLUNGE_ACCEL] * ti.cos(body.motion[b, n, PITCH])
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]
-    rhs = (modes + 7) // 8
     for j in range(modes):
         stiffness = body.constant[b, STIFFNESS, j] - theta_rate * theta_rate
         damping = body.constant[b, DAMPING, j]
         known = body.q_known[b, RATE, j]
-        force = (
+        for k in range(modes):
+            body.system[b, j, k] = -body.response[b, j, k]
+        body.system[b, j, j] = body.system[b, j, j] + 1.0 + beta * (damping + beta * stiffness)
+        body.system[b, j, modes] = (
             body.load[b, j]
             - body.constant[b, LAMBDA, j] * heave
             - body.constant[b, PSI, j] * theta_accel
             - damping * known
             - stiffness * (body.q_known[b, AMPLITUDE, j] + beta * known)
         )
-        for block in range(rhs):
-            row = Octet(0.0)
-            for lane in ti.static(range(8)):
-                k = 8 * block + lane
-                if k < modes:
-                    row[lane] = -body.response[b, j, k]
-                    if k == j:
-                        row[lane] += 1.0 + beta * (damping + beta * stiffness)
-            body.system[b, j, block] = row
-        last = Octet(0.0)
-        last[0] = force
-        body.system[b, j, rhs] = last
-    linear.solve(body.system, body.factor, b, modes, rhs + 1)
+    linear.solve_few(body.system, b, modes)
     for k in range(modes):
-        accel = linear.element(body.system, b, k, 8 * rhs)
+        accel = body.system[b, k, modes]
         rate = body.q_known[b, RATE, k] + beta * accel
         body.q[b, ACCEL, k] = accel
         body.q[b, RATE, k] = rate
@@ -182,7 +173,8 @@ class March:
         self.cases = list(cases)
         self.fluid = fluid
         self.sections = [beam.modes(case.wing) for case in self.cases]
-        self.body = bodies.allocate(self.cases, self.sections)
+        self.motion = bodies.sample_motions(self.cases)
+        self.body = bodies.allocate(self.cases, self.sections, self.motion)
         self.groups = fluid.allocate(self.cases, self.sections)
         self.steps = max(case.steps for case in self.cases)
         self.next_step = 0
@@ -198,20 +190,21 @@ class March:
         """March every case by `steps` steps and return its frames on the way.
 
         The first step is step 0, the state at t = 0. A case that has reached its end, or has failed, rests.
+        Zero steps compile the kernels, or fetch them from Taichi's cache.
 
         Returns:
             For each case its frames: `step`, `q` (amplitude, rate and acceleration of every mode),
             `modal_force`, `force`, and the film of the fluid model, each with the frame as leading axis.
         """
         first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
-        self._make_room(max(len(self._frames(case, first, last)) for case in self.cases))
+        self._make_room(max(1, *(len(self._frames(case, first, last)) for case in self.cases)))
         self._kernel(self._batch, first, last, len(self.cases), self._lanes)
         self.next_step = last
         return self._collect(first, last)
 
     def failures(self) -> np.ndarray:
         """The step at which each case's values ceased to be finite, or -1."""
-        return self.body.failed.to_numpy()
+        return view(self.body.failed).copy()
 
     def _frames(self, case: Case, first: int, last: int) -> np.ndarray:
         every = case.output.every
@@ -232,7 +225,7 @@ class March:
         self._batch = group(body=self.body, track=self._track, film=self._film, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
-        fields = {name: values.to_numpy() for name, values in (*self._track.items, *self._film.items)}
+        fields = {name: view(values) for name, values in (*self._track.items, *self._film.items)}
         failed = self.failures()
         collected = []
         for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):
@@ -242,5 +235,6 @@ class March:
             frames = {name: values[b, : len(step)] for name, values in fields.items()}
             frames["q"] = frames["q"][..., : section.count]
             frames["modal_force"] = frames["modal_force"][:, : section.count]
-            collected.append({"step": step, **self.fluid.trim(frames, case)})
+            frames = self.fluid.trim(frames, case)
+            collected.append({"step": step} | {name: values.copy() for name, values in frames.items()})
         return collected

@@ -9,6 +9,8 @@ import io
 import os
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 # Taichi sends its version and a machine id to an outside host, and prints a banner, unless told not to.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
@@ -69,3 +71,25 @@ def tasks(cases: int, threads: int | None = None) -> int:
     if threads is None or threads >= _threads:
         return cases
     return min(cases, threads)
+
+
+class _Memory:
+    """The memory of a Taichi array, which it keeps alive, to NumPy."""
+
+    def __init__(self, array: Any) -> None:
+        self.array = array
+        self.__array_interface__ = {
+            "data": (ti.lang.impl.get_runtime().prog.get_ndarray_data_ptr_as_int(array.arr), False),
+            "shape": (*array.shape, *array.element_shape),
+            "typestr": np.dtype(ti.lang.util.to_numpy_type(array.dtype)).str,
+            "version": 3,
+        }
+
+
+def view(array: Any) -> np.ndarray:
+    """The memory of a Taichi array as a NumPy array, without a copy.
+
+    Taichi's own `to_numpy` and `from_numpy` compile and launch a kernel for every type and rank.
+    """
+    ti.sync()
+    return np.asarray(_Memory(array))

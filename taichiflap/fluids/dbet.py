@@ -114,6 +114,16 @@ def nodes(case: Case) -> np.ndarray:
     return case.wing.chord * np.arange(case.dbet.elements + 1) / case.dbet.elements
 
 
+def work(case: Case) -> float:
+    """Cost of a step, in pair interactions (about a nanosecond)."""
+    return 50.0 * case.dbet.elements
+
+
+def frame_bytes(case: Case) -> float:
+    """Size of a frame's fields."""
+    return 8.0 * case.dbet.elements
+
+
 @ti.func
 def blade_force(flow: View, b, r_y, r_z, e_y, e_z):
     """Force of an element along -e_z and -e_y and the derivative of the first with respect to `u_z`.

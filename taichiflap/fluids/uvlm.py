@@ -149,6 +149,17 @@ def nodes(case: Case) -> np.ndarray:
     return case.wing.chord * np.arange(case.uvlm.panels + 1) / case.uvlm.panels
 
 
+def work(case: Case) -> float:
+    """Cost of a step with a full wake, in pair interactions (about a nanosecond)."""
+    panels, vortices = case.uvlm.panels, wake.ring_size(case)
+    return (vortices + panels) ** 2 + panels**3 / 10.0
+
+
+def frame_bytes(case: Case) -> float:
+    """Size of a frame's fields."""
+    return 16.0 * wake.ring_size(case) + 8.0 * case.uvlm.panels
+
+
 @ti.func
 def between(left, right, share):
     return left + share * (right - left)

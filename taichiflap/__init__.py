@@ -1,0 +1,54 @@
+"""Fast, trustworthy models of flexible flapping wings.
+
+    case = taichiflap.load_case("cases/hawkmoth.toml")
+    result = taichiflap.simulate(case)
+    result.tip_deflection  # m, a NumPy array over result.time
+
+Importing the package loads none of its heavy parts; they come with the first use.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from ._version import __version__
+
+if TYPE_CHECKING:
+    from .case import Case, CaseError, load_case
+    from .metrics import summarise
+    from .results import Result, ResultError, open_result
+    from .simulate import simulate
+
+_HOMES = {
+    "Case": "case",
+    "CaseError": "case",
+    "Result": "results",
+    "ResultError": "results",
+    "load_case": "case",
+    "open_result": "results",
+    "simulate": "simulate",
+    "summarise": "metrics",
+}
+
+__all__ = [
+    "Case",
+    "CaseError",
+    "Result",
+    "ResultError",
+    "__version__",
+    "load_case",
+    "open_result",
+    "simulate",
+    "summarise",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'taichiflap' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

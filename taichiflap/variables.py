@@ -1,0 +1,85 @@
+"""The variables of a result: names, dimensions, units, signs and what they mean."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One array of the file: dimensions, units and what it means."""
+
+    dimensions: tuple[str, ...]
+    units: str
+    long_name: str
+    symbol: str = ""
+    comment: str = ""
+    single: bool = False
+
+
+_NORMAL = "positive along the wing's normal e_z = (-sin pitch, cos pitch) in (Y, Z)"
+_CHORD = "positive along the undeformed chord e_y = (cos pitch, sin pitch) in (Y, Z), leading to trailing edge"
+_INERTIAL = "inertial frame; vertical, which keeps the insect aloft, is -Y; the stroke runs along Z"
+_SPIN = "positive counter-clockwise in (Y, Z)"
+
+VARIABLES = {
+    "plunge": Variable(("time",), "m", "position of the pivot along Z", "Z", _INERTIAL),
+    "pitch": Variable(("time",), "rad", "pitch angle of the undeformed chord", "theta", _SPIN),
+    "q": Variable(("time", "mode"), "m kg0.5", "modal amplitude", "q_k", "mass-normalised modes"),
+    "q_rate": Variable(("time", "mode"), "m kg0.5 s-1", "rate of the modal amplitude", "dq_k/dt"),
+    "q_acceleration": Variable(("time", "mode"), "m kg0.5 s-2", "acceleration of the modal amplitude", "d2q_k/dt2"),
+    "modal_force": Variable(("time", "mode"), "N kg-0.5", "aerodynamic modal force", "Q_k"),
+    "tip_deflection": Variable(("time",), "m", "deflection of the trailing edge", "W(c)", _NORMAL),
+    "force_normal": Variable(("time",), "N", "fluid force along the wing's normal", "F_N", _NORMAL),
+    "force_axial": Variable(("time",), "N", "fluid force along the chord", "F_A", _CHORD),
+    "force_normal_unsteady": Variable(
+        ("time",), "N", "share of force_normal from acceleration", "F_N,AM",
+        f"DBET: added mass; UVLM: the d(Gamma)/dt term; {_NORMAL}",
+    ),
+    "force_y": Variable(("time",), "N", "fluid force along Y, full vector", "F_Y", _INERTIAL),
+    "force_z": Variable(("time",), "N", "fluid force along Z, full vector", "F_Z", _INERTIAL),
+    "force_vertical": Variable(("time",), "N", "vertical force, full vector", "-F_Y", _INERTIAL),
+    "force_vertical_normal": Variable(
+        ("time",), "N", "vertical force of force_normal alone", "-F_N e_z . e_Y", _INERTIAL
+    ),
+    "moment": Variable(("time",), "N m", "fluid moment about the pivot", "M", _SPIN),
+    "power": Variable(
+        ("time",), "W", "mechanical power that the actuator must give", "P", "power_aerodynamic + power_inertial"
+    ),
+    "power_aerodynamic": Variable(("time",), "W", "actuator's power against the fluid", "P_a"),
+    "power_inertial": Variable(("time",), "W", "actuator's power for the wing's own mass", "P_i"),
+    "circulation": Variable(("time",), "m2 s-1", "total bound circulation", "Gamma", _SPIN),
+    "node_position": Variable(
+        ("time", "node", "component"), "m", "position of the wing's nodes", "R", _INERTIAL, single=True
+    ),
+    "panel_circulation": Variable(
+        ("time", "panel"), "m2 s-1", "circulation of the bound vortices", "Gamma_i", _SPIN, single=True
+    ),
+    "pressure_jump": Variable(
+        ("time", "panel"), "Pa", "normal force of the fluid per area", "dP", _NORMAL, single=True
+    ),
+    "shear": Variable(("time", "panel"), "Pa", "chordwise force of the fluid per area", "", _CHORD, single=True),
+}  # fmt: skip
+
+WAKE_VARIABLES = {
+    "y": Variable(("vortex",), "m", "position of the wake vortices along Y", "Y", _INERTIAL, single=True),
+    "z": Variable(("vortex",), "m", "position of the wake vortices along Z", "Z", _INERTIAL, single=True),
+    "circulation": Variable(("vortex",), "m2 s-1", "circulation of the wake vortices", "Gamma", _SPIN, single=True),
+    "birth": Variable(("vortex",), "1", "time step at which the vortex was shed"),
+}
+
+WAKE_COUNT = Variable(("time",), "1", "number of wake vortices in the frame")
+
+AXES = {
+    "time": Variable((), "s", "time", "t"),
+    "mode": Variable((), "1", "number of the elastic mode", "k"),
+    "node": Variable((), "m", "chordwise position of the nodes, from the leading edge", "y"),
+    "panel": Variable((), "m", "chordwise position of the middles of panels or elements", "y"),
+    "component": Variable((), "", "axis of the inertial frame"),
+}
+
+MODE_VARIABLES = {
+    "frequency": Variable(("mode",), "Hz", "natural frequency", "f_k"),
+    "damping_ratio": Variable(("mode",), "1", "modal damping ratio", "zeta_k"),
+    "lambda": Variable(("mode",), "kg0.5", "integral of phi_k dm", "lambda_k"),
+    "psi": Variable(("mode",), "m kg0.5", "integral of y phi_k dm", "psi_k"),
+    "shape": Variable(("mode", "node"), "kg-0.5", "mass-normalised mode shape", "phi_k"),
+}
