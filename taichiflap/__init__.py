@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .case import Case, CaseError, load_case
     from .metrics import summarise
     from .results import Result, ResultError, open_result
-    from .simulate import simulate
+    from .run import simulate
 
 _HOMES = {
     "Case": "case",
@@ -25,7 +25,7 @@ _HOMES = {
     "ResultError": "results",
     "load_case": "case",
     "open_result": "results",
-    "simulate": "simulate",
+    "simulate": "run",
     "summarise": "metrics",
 }
 

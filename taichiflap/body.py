@@ -50,7 +50,7 @@ def sample_motions(cases: Sequence[Case]) -> np.ndarray:
     """The motion of every case at all its steps, shape (cases, steps + 1, 6)."""
     sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, 6))
     for row, case in zip(sampled, cases, strict=True):
-        row[: case.steps + 1] = motion.sample(case.motion, case.step * np.arange(case.steps + 1))
+        row[: case.steps + 1] = motion.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
     return sampled
 
 

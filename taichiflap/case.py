@@ -20,12 +20,13 @@ from pydantic import (
     model_validator,
 )
 
+from .errors import UserError
 from .problems import describe
 
 MAX_STEPS = 5_000_000
 
 
-class CaseError(ValueError):
+class CaseError(UserError):
     """A case that cannot be run: every problem found, one line each."""
 
     def __init__(self, source: str, problems: list[str]) -> None:
@@ -58,8 +59,7 @@ def _all_or_number(value: Any) -> str:
 
 _Damping = Annotated[float, Field(ge=0, le=10)]
 DampingRatio = Annotated[
-    Annotated[_Damping, Tag("one")]
-    | Annotated[tuple[_Damping, ...], BeforeValidator(_as_tuple), Tag("each")],
+    Annotated[_Damping, Tag("one")] | Annotated[tuple[_Damping, ...], BeforeValidator(_as_tuple), Tag("each")],
     Discriminator(_one_or_each),
 ]
 WakeLength = Annotated[
@@ -278,9 +278,7 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
             value = tomllib.loads(f"value = {text}")["value"]
         except (tomllib.TOMLDecodeError, RecursionError):
             if not text.replace("-", "_").isidentifier():
-                problems.append(
-                    f'--set {setting}: {text!r} is not a number, true, false, a "text" or a [list]'
-                )
+                problems.append(f'--set {setting}: {text!r} is not a number, true, false, a "text" or a [list]')
                 continue
             value = text
         *tables, last = key.split(".")

@@ -150,7 +150,7 @@ def kernel(fluid: ModuleType) -> Any:
                     fluid.record(batch, b, frame)
 
     @ti.kernel
-    def march(batch: Batch, first: ti.i32, last: ti.i32, cases: ti.i32, lanes: ti.i32):
+    def march(batch: Batch, first: ti.i32, last: ti.i32, cases: ti.i32, lanes: ti.i32):  # type: ignore[valid-type]
         for i in range(lanes * LANE):
             if i % LANE == 0:
                 for m in range((cases - i // LANE + lanes - 1) // lanes):

@@ -21,16 +21,12 @@ def sample(motion: Motion, times: NDArray[np.float64]) -> NDArray[np.float64]:
         Shape (times, 6): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2.
     """
     plunge = _harmonic(times, motion.frequency, motion.plunge.amplitude, motion.plunge.phase_deg)
-    pitch = _harmonic(
-        times, motion.frequency, math.radians(motion.pitch.amplitude_deg), motion.pitch.phase_deg
-    )
+    pitch = _harmonic(times, motion.frequency, math.radians(motion.pitch.amplitude_deg), motion.pitch.phase_deg)
     pitch[:, 0] += math.radians(motion.pitch.mean_deg)
     return np.hstack((plunge, pitch))
 
 
-def _harmonic(
-    times: NDArray[np.float64], frequency: float, amplitude: float, phase_deg: float
-) -> NDArray[np.float64]:
+def _harmonic(times: NDArray[np.float64], frequency: float, amplitude: float, phase_deg: float) -> NDArray[np.float64]:
     """`amplitude * sin(2 pi frequency t + phase)` and its two derivatives, shape (times, 3)."""
     rate = 2.0 * math.pi * frequency
     angle = rate * times + math.radians(phase_deg)

@@ -19,7 +19,5 @@ def warnings(case: Case) -> list[str]:
             f"(fluid.density = {case.fluid.density:g} kg/m3)"
         )
     if case.wing.thickness > 0.2 * case.wing.chord:
-        found.append(
-            f"wing.thickness = {case.wing.thickness:g} m is over a fifth of the chord: no thin plate bends so"
-        )
+        found.append(f"wing.thickness = {case.wing.thickness:g} m is over a fifth of the chord: no thin plate bends so")
     return found

@@ -19,6 +19,7 @@ import numpy as np
 from ._version import __version__
 from .beam import Modes
 from .case import Case, CaseError, parse_case
+from .errors import UserError
 from .variables import AXES, MODE_VARIABLES, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
 
 FORMAT = 1
@@ -30,7 +31,7 @@ NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
 SERIES_CHUNK, FIELD_CHUNK, WAKE_CHUNK = 1024, 64, 8192
 
 
-class ResultError(ValueError):
+class ResultError(UserError):
     """A result file that cannot be read or written: one sentence with the path and the cause."""
 
 

@@ -17,10 +17,19 @@ os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
 
 if TYPE_CHECKING:
     # Taichi has no types: to the type checker its names, and what its decorators return, are `Any`.
+    from typing import Any as Floats1
+    from typing import Any as Floats2
+    from typing import Any as Floats3
+    from typing import Any as Floats4
+    from typing import Any as Ints1
+    from typing import Any as Ints2
+    from typing import Any as Ints3
+    from typing import Any as Octets3
+    from typing import Any as Singles3
+    from typing import Any as Singles4
+    from typing import Any as View
+
     ti: Any = None
-    View = Any
-    Ints1 = Ints2 = Ints3 = Any
-    Floats1 = Floats2 = Floats3 = Floats4 = Singles3 = Singles4 = Octets3 = Any
 else:
     import taichi as ti
 

@@ -13,9 +13,7 @@ from .motion import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE, PLUNGE_ACCEL, PLUNGE
 Array = NDArray[np.float64]
 
 
-def derive(
-    case: Case, section: Modes, nodes: Array, motion: Array, frames: dict[str, np.ndarray]
-) -> dict[str, Any]:
+def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Any]:
     """Variables of the result file for some frames of a case.
 
     Args:

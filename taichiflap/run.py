@@ -69,8 +69,8 @@ def simulate(
         ValueError: when the cases of a batch do not share their solver.
     """
     single = isinstance(case, Case)
-    cases = [case] if single else list(case)
-    paths = [output] if single else list(output or [None] * len(cases))
+    cases: list[Case] = [case] if isinstance(case, Case) else list(case)
+    paths: list[Any] = [output] if single else list(output or [None] * len(cases))
     if len({one.solver for one in cases}) != 1 or len(paths) != len(cases):
         raise ValueError("give at least one case, all of one solver, and as many outputs as cases")
     results = _run(cases, [None if path is None else Path(path) for path in paths], threads, progress, overwrite)
@@ -122,7 +122,6 @@ def _finish(writer: Writer, failed: np.int32, solve_time: float) -> Result:
     if failed < 0:
         return writer.finish("complete", solve_time=solve_time)
     reason = (
-        f"values ceased to be finite at step {failed}; more steps a period, fewer modes, "
-        "or a larger uvlm.core may help"
+        f"values ceased to be finite at step {failed}; more steps a period, fewer modes, or a larger uvlm.core may help"
     )
     return writer.finish("failed", solve_time=solve_time, reason=reason)

@@ -1,0 +1,49 @@
+# Everything runs from a virtual environment in .venv, made on first need from constraints.txt.
+
+CANDIDATES := python3 python3.13 python3.12 python3.11
+FITS = -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))' 2>/dev/null
+PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(FITS) && echo ok)),$(p))))
+BIN := .venv/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+
+.PHONY: hawkmoth test test-fast lint bench clean
+
+hawkmoth: .venv/.run  ## set up and run the main job
+	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
+	@echo
+	@echo "The result is hawkmoth.h5. Look at it with:"
+	@echo "  $(BIN)/taichiflap info hawkmoth.h5"
+	@echo "  $(BIN)/python -c 'import taichiflap; print(taichiflap.open_result(\"hawkmoth.h5\").tip_deflection.max())'"
+
+test: .venv/.dev  ## all tests
+	$(BIN)/python -m pytest
+
+test-fast: .venv/.dev  ## all but the whole runs of the shipped cases
+	$(BIN)/python -m pytest -m "not slow"
+
+lint: .venv/.dev  ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: .venv/.dev  ## speed, as ratios within one run
+	$(BIN)/python benchmarks/bench.py
+
+clean:  ## remove the environment and what runs left here
+	rm -rf .venv *.egg-info build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -f *.h5 *.h5.part
+
+.venv/bin/python:
+	@test -n "$(PYTHON)" || { echo "taichiflap needs Python 3.11, 3.12 or 3.13; found none of $(CANDIDATES)"; exit 1; }
+	@echo "Making .venv with $(PYTHON) ..."
+	@$(PYTHON) -m venv .venv || { rm -rf .venv; echo "On Debian: apt-get install python3-venv"; exit 1; }
+
+.venv/.run: .venv/bin/python pyproject.toml constraints.txt
+	@echo "Installing taichiflap ..."
+	@$(INSTALL) --editable .
+	@touch $@
+
+.venv/.dev: .venv/.run
+	@echo "Installing the tools of development ..."
+	@$(INSTALL) --editable ".[dev]"
+	@touch $@

@@ -1,0 +1,5 @@
+"""`python -m taichiflap` is the command `taichiflap`."""
+
+from .cli import main
+
+main()

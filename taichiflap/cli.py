@@ -1,0 +1,133 @@
+"""The commands. Heavy parts are imported inside them, so that `--help` answers at once."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .errors import UserError
+
+if TYPE_CHECKING:
+    from .case import Case
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="Fast, trustworthy models of flexible flapping wings.",
+)
+
+CaseFile = Annotated[Path, typer.Argument(help="case file, TOML", show_default=False)]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="change a key of the case file; may be repeated"),
+]
+
+
+def main() -> None:
+    """Run the command line; a problem of the user's is a sentence on stderr and exit code 2."""
+    try:
+        app()
+    except UserError as error:
+        for line in str(error).splitlines():
+            print(f"error: {line}", file=sys.stderr)
+        sys.exit(2)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from ._version import __version__
+
+        print(f"taichiflap {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and stop")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def simulate(
+    case_file: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="result file  [default: the case's name .h5, here]")
+    ] = None,
+    settings: Settings = None,
+    threads: Annotated[int | None, typer.Option(min=1, help="threads to use  [default: all]")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing result")] = False,
+) -> None:
+    """Compute a case and write its result file."""
+    from . import plausible
+    from .case import load_case
+
+    case = load_case(case_file, settings or ())
+    path = output or Path(f"{case_file.stem}.h5")
+    for warning in plausible.warnings(case):
+        print(f"warning: {warning}", file=sys.stderr)
+    result = _simulate_with_progress(case, path, threads, overwrite)
+    with result:
+        _print_summary(result)
+        if result.status == "failed":
+            print(f"error: {path}: {result.attributes['reason']}", file=sys.stderr)
+            raise typer.Exit(1)
+
+
+@app.command()
+def info(file: Annotated[Path, typer.Argument(help="result file", show_default=False)]) -> None:
+    """Summarise a result file."""
+    from .results import open_result
+
+    with open_result(file) as result:
+        _print_summary(result)
+
+
+@app.command()
+def init(
+    file: Annotated[Path, typer.Argument(help="case file to write")] = Path("case.toml"),
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
+) -> None:
+    """Write a commented case file to start from."""
+    from .case import CaseError
+    from .template import commented_case
+
+    if file.exists() and not overwrite:
+        raise CaseError(str(file), ["exists already; --overwrite replaces it, or name another file"])
+    try:
+        file.write_text(commented_case(), encoding="utf-8")
+    except OSError as error:
+        raise CaseError(str(file), [f"cannot be written: {error.strerror}"]) from None
+    print(f"{file} written; edit it, then run: taichiflap simulate {file}")
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of a case file."""
+    import json
+
+    from .case import case_schema
+
+    print(json.dumps(case_schema(), indent=2))
+
+
+def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overwrite: bool) -> Any:
+    from .run import simulate as run
+
+    if not sys.stderr.isatty():
+        return run(case, path, threads=threads, overwrite=overwrite)
+    from .progress import bar
+
+    with bar(case) as progress:
+        return run(case, path, threads=threads, progress=progress, overwrite=overwrite)
+
+
+def _print_summary(result: Any) -> None:
+    from .report import summary_lines
+
+    print("\n".join(summary_lines(result)))

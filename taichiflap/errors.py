@@ -1,0 +1,5 @@
+"""What a user can put right: one clear line a problem, with no traceback. Imports nothing."""
+
+
+class UserError(ValueError):
+    """The base of the errors that the command line prints as they are, with exit code 2."""

@@ -1,0 +1,77 @@
+"""A run in words: the lines that `simulate` and `info` print."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from .case import Case
+from .metrics import Statistic, Summary, summarise
+from .results import Result
+
+LABEL = 24
+
+
+def summary_lines(result: Result) -> Iterator[str]:
+    """Lines of text that summarise a result, complete or not."""
+    case = result.case
+    attributes = result.attributes
+    yield case.title or "(no title)"
+    yield _line("file", f"{result.path or 'in memory'}, {attributes['status']}, {result.frames} frames")
+    yield _line("model", _model(case))
+    yield _line("wing", _wing(case, result))
+    yield _line("motion", _motion(case))
+    summary = summarise(result)
+    if summary is None:
+        yield "no whole beat yet: no statistics"
+    else:
+        yield from _statistics(summary)
+    if "solve_time" in attributes:
+        yield _line("solve time", f"{attributes['solve_time']:.3g} s for {case.steps} steps")
+    for warning in filter(None, str(attributes["warnings"]).splitlines()):
+        yield f"warning: {warning}"
+    if "reason" in attributes:
+        yield _line("failed", attributes["reason"])
+
+
+def _statistics(summary: Summary) -> Iterator[str]:
+    yield f"over the last {summary.beats} beat{'s' if summary.beats > 1 else ''} (mean ± spread from beat to beat):"
+    yield _line("vertical force", _shown(summary.force_vertical, 1e3, "mN, full vector"))
+    yield _line("", _shown(summary.force_vertical_normal, 1e3, "mN, wing-normal part alone"))
+    phase = summary.force_normal_phase
+    lead = "" if phase is None else f", first harmonic at {phase:+.1f} deg to the stroke"
+    yield _line("peak normal force", _shown(summary.force_normal_peak, 1e3, f"mN{lead}"))
+    if summary.tip_peak.mean:
+        after = summary.tip_peak_after_reversal
+        when = f"t/T = {summary.tip_peak_time:.3f}" + ("" if after is None else f", {after:.3f} T after reversal")
+        yield _line("peak tip deflection", _shown(summary.tip_peak, 1e3, f"mm, at {when}"))
+    yield _line("mechanical power", _shown(summary.power, 1e3, "mW"))
+    yield _line("  against the fluid", _shown(summary.power_aerodynamic, 1e3, "mW"))
+    yield _line("  positive part alone", _shown(summary.power_positive, 1e3, "mW"))
+
+
+def _line(label: str, text: Any) -> str:
+    return f"  {label:<{LABEL - 2}}{text}"
+
+
+def _shown(statistic: Statistic, scale: float, unit: str) -> str:
+    return f"{scale * statistic.mean:.4g} ± {scale * statistic.spread:.2g} {unit}"
+
+
+def _model(case: Case) -> str:
+    if case.solver == "dbet":
+        return f"DBET, {case.dbet.elements} elements, fluid {case.fluid.density:g} kg/m3"
+    wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
+    return f"UVLM, {case.uvlm.panels} panels, {wake}, fluid {case.fluid.density:g} kg/m3"
+
+
+def _wing(case: Case, result: Result) -> str:
+    size = f"chord {1e3 * case.wing.chord:g} mm, span {1e3 * case.wing.span:g} mm"
+    frequencies = ", ".join(f"{f:.2f}" for f in result.modes.get("frequency", ()))
+    return f"{size}, {f'modes at {frequencies} Hz' if frequencies else 'rigid'}"
+
+
+def _motion(case: Case) -> str:
+    motion = case.motion
+    return (
+        f"{motion.frequency:g} Hz, plunge {1e3 * motion.plunge.amplitude:g} mm, "
+        f"pitch {motion.pitch.amplitude_deg:g} deg, {case.time.periods} beats of {case.time.steps_per_period} steps"
+    )

@@ -1,0 +1,51 @@
+"""Shared helpers: cases from the shipped files, and marches that keep all their frames."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import taichiflap
+from taichiflap import fluids
+from taichiflap.march import March
+
+CASES = Path(__file__).parent.parent / "cases"
+
+
+def hawkmoth(*settings):
+    """The hawkmoth with some keys changed."""
+    return taichiflap.load_case(CASES / "hawkmoth.toml", settings)
+
+
+def march(cases, threads=None, block=10**9):
+    """March a case, or several, and return their frames joined over all blocks, and the march."""
+    single = not isinstance(cases, list)
+    cases = [cases] if single else cases
+    marched = March(cases, fluids.load(cases[0].solver), threads)
+    blocks = []
+    while not marched.done:
+        blocks.append(marched.advance(block))
+    joined = [
+        SimpleNamespace(
+            **{name: np.concatenate([b[i][name] for b in blocks], axis=_axis(name)) for name in blocks[0][i]}
+        )
+        for i in range(len(cases))
+    ]
+    return (joined[0] if single else joined), marched
+
+
+def _axis(name):
+    return 1 if name == "wake" else 0
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(20201122)
+
+
+def assert_columns_agree(ours, theirs, tolerance):
+    """Largest difference of each column within `tolerance` of its own size, or round-off of the largest."""
+    difference = np.abs(ours - theirs).max(axis=0, initial=0.0)
+    size = np.abs(theirs).max(axis=0, initial=0.0)
+    assert np.all(difference <= tolerance * size + 1e-15 * size.max(initial=0.0)), (difference, size)

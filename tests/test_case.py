@@ -1,0 +1,202 @@
+"""Case files: what is accepted, and one clear message for everything that is not."""
+
+import tomllib
+
+import jsonschema
+import pytest
+import tomli_w
+from conftest import CASES, hawkmoth
+
+import taichiflap
+from taichiflap import plausible
+from taichiflap.case import CaseError, case_schema, load_case, parse_case
+from taichiflap.template import commented_case
+
+GOOD = tomllib.loads((CASES / "hawkmoth.toml").read_text())
+
+BAD = [
+    # (setting, what the message must say)
+    ("wing.chrod=0.02", ["wing.chrod: unknown key", "did you mean wing.chord?"]),
+    ("wnig.chord=0.02", ["wnig: unknown key", "did you mean wing?"]),
+    ("chord=0.02", ["chord: unknown key", "did you mean wing.chord?"]),
+    ("uvlm.elements=5", ["uvlm.elements: unknown key", "did you mean dbet.elements?"]),
+    ("motion.plunge.fase=5", ["motion.plunge.fase: unknown key", "amplitude, phase_deg"]),
+    ("wing.chord=-0.02", ["wing.chord = -0.02", "> 0", "m"]),
+    ("wing.chord=0", ["wing.chord = 0", "> 0"]),
+    ("wing.chord=1e9", ["wing.chord = 1000000000.0", "<= 100"]),
+    ("wing.chord=nan", ["wing.chord = nan", "number"]),
+    ("wing.span=inf", ["wing.span = inf", "number"]),
+    ('wing.chord="0.02"', ['wing.chord = "0.02"', "a number"]),
+    ("wing.thickness=true", ["wing.thickness = true", "a number"]),
+    ("wing.density=[1000]", ["wing.density = [1000]", "kg/m3"]),
+    ("wing.modes=1.5", ["wing.modes = 1.5", "a whole number"]),
+    ("wing.modes=-1", ["wing.modes = -1", ">= 0"]),
+    ("wing.modes=21", ["wing.modes = 21", "<= 20"]),
+    ("wing.damping_ratio=-0.1", ["wing.damping_ratio = -0.1", ">= 0"]),
+    ("wing.damping_ratio=[0.1, -1]", ["wing.damping_ratio[1] = -1"]),
+    ("wing.damping_ratio=[]", ["wing.damping_ratio", "too few for 1 modes"]),
+    ("motion.frequency=0", ["motion.frequency = 0", "Hz"]),
+    ("motion.plunge=0.02", ["motion.plunge = 0.02", "a table"]),
+    ("motion.plunge.amplitude=-1", ["motion.plunge.amplitude = -1", ">= 0"]),
+    ("motion.pitch.amplitude_deg=400", ["motion.pitch.amplitude_deg = 400", "<= 360", "deg"]),
+    ("fluid.density=-1", ["fluid.density = -1", ">= 0"]),
+    ("fluid.velocity=[1]", ["fluid.velocity = [1]", "a list of 2 numbers"]),
+    ("fluid.velocity=[1, 2, 3]", ["fluid.velocity", "a list of 2 numbers"]),
+    ('fluid.velocity=[1, "a"]', ['fluid.velocity[1] = "a"']),
+    ("dbet.elements=0", ["dbet.elements = 0", ">= 1"]),
+    ('dbet.speed="half"', ['dbet.speed = "half"', '"full" or "truncated"']),
+    ("dbet.added_mass=1", ["dbet.added_mass = 1", "true or false"]),
+    ("uvlm.panels=0", ["uvlm.panels = 0", ">= 1"]),
+    ("uvlm.wake=0", ["uvlm.wake = 0", ">= 1", '"all"']),
+    ("uvlm.wake=some", ['uvlm.wake = "some"', '"all"']),
+    ("uvlm.shedding=global", ['uvlm.shedding = "global"', '"local" or "fixed"']),
+    ("uvlm.core=-1", ["uvlm.core = -1", "chords"]),
+    ("time.periods=1.5", ["time.periods = 1.5", "a whole number"]),
+    ("time.steps_per_period=2", ["time.steps_per_period = 2", ">= 4"]),
+    ("time.steps_per_period=900000", ["time.periods * time.steps_per_period = 13500000", "5000000"]),
+    ("output.every=0", ["output.every = 0", ">= 1"]),
+    ("solver=uvml", ['solver = "uvml"', '"uvlm" or "dbet"']),
+    ("title=3", ["title = 3", "text"]),
+    ("wing=3", ["wing = 3", "a table"]),
+    ("wing.modes", ["--set wing.modes", "KEY=VALUE"]),
+    ("=3", ["--set =3", "KEY=VALUE"]),
+    ("wing.chord=1.2.3", ["--set wing.chord=1.2.3", "not a number"]),
+    ("wing.chord.x=3", ["--set wing.chord.x=3", "chord is a value"]),
+]
+
+
+@pytest.mark.parametrize(("setting", "phrases"), BAD, ids=[setting for setting, _ in BAD])
+def test_a_bad_setting_gets_its_message(setting, phrases):
+    with pytest.raises(CaseError) as caught:
+        hawkmoth(setting)
+    (problem,) = caught.value.problems
+    for phrase in phrases:
+        assert phrase in problem
+    assert str(caught.value).startswith(str(CASES / "hawkmoth.toml"))
+
+
+@pytest.mark.parametrize(("setting", "phrases"), BAD[:42], ids=[setting for setting, _ in BAD[:42]])
+def test_a_bad_file_gets_the_same_message_as_the_setting(setting, phrases, tmp_path):
+    with pytest.raises(CaseError) as from_setting:
+        hawkmoth(setting)
+    document = tomllib.loads(tomli_w.dumps(GOOD))
+    *tables, key = setting.partition("=")[0].split(".")
+    table = document
+    for name in tables:
+        table = table.setdefault(name, {})
+    try:
+        table[key] = tomllib.loads(f"v = {setting.partition('=')[2]}")["v"]
+    except tomllib.TOMLDecodeError:
+        table[key] = setting.partition("=")[2]
+    file = tmp_path / "case.toml"
+    file.write_text(tomli_w.dumps(document))
+    with pytest.raises(CaseError) as from_file:
+        load_case(file)
+    assert from_file.value.problems == from_setting.value.problems
+
+
+@pytest.mark.parametrize("key", ["wing.chord", "wing.youngs_modulus", "motion.frequency", "wing"])
+def test_a_missing_key_is_named_with_an_example(key):
+    document = tomllib.loads(tomli_w.dumps(GOOD))
+    *tables, last = key.split(".")
+    table = document
+    for name in tables:
+        table = table[name]
+    del table[last]
+    with pytest.raises(CaseError) as caught:
+        parse_case(document)
+    (problem,) = caught.value.problems
+    assert problem.startswith(f"{key}: missing; give a")
+
+
+def test_all_problems_are_reported_at_once():
+    with pytest.raises(CaseError) as caught:
+        hawkmoth("wing.chrod=1", "wing.span=-1", "uvlm.panels=0", "solver=x", "motion.frequency=0")
+    assert len(caught.value.problems) == 5
+
+
+@pytest.mark.parametrize(
+    ("content", "phrase"),
+    [
+        (b"[wing\nchord = 1", "not valid TOML"),
+        (b"title = 'a'\ntitle = 'b'", "not valid TOML"),
+        (b"\xff\xfe\x00", "not a text file"),
+        (b"", "wing: missing"),
+        (b"a = " + b"[" * 5000 + b"]" * 5000, ""),
+    ],
+)
+def test_a_damaged_file_is_refused_in_a_sentence(content, phrase, tmp_path):
+    file = tmp_path / "case.toml"
+    file.write_bytes(content)
+    with pytest.raises(CaseError) as caught:
+        load_case(file)
+    assert phrase in str(caught.value)
+
+
+def test_a_missing_file_names_its_neighbour(tmp_path):
+    (tmp_path / "hawkmoth.toml").write_text("")
+    with pytest.raises(CaseError, match=r"no such file; did you mean .*hawkmoth\.toml\?"):
+        load_case(tmp_path / "hawkmot.toml")
+
+
+def test_a_folder_is_no_case(tmp_path):
+    with pytest.raises(CaseError, match="cannot be read"):
+        load_case(tmp_path)
+
+
+def test_settings_are_toml_and_bare_words_are_text():
+    case = hawkmoth("solver=dbet", "wing.modes=2", "wing.damping_ratio=[0.1, 0.2]", 'title="a b"', "uvlm.wake=all")
+    assert (case.solver, case.wing.modes, case.wing.damping_ratio, case.title) == (
+        "dbet",
+        2,
+        (0.1, 0.2),
+        "a b",
+    )
+    assert case.uvlm.wake == "all"
+
+
+def test_a_case_survives_the_trip_through_toml():
+    case = hawkmoth("wing.modes=2", "wing.damping_ratio=[0.1, 0.2]", "fluid.velocity=[0.1, -3.0]", "uvlm.core=1e-3")
+    assert parse_case(tomllib.loads(case.to_toml())) == case
+
+
+def test_override_makes_a_changed_copy():
+    case = hawkmoth()
+    rigid = case.override("wing.modes=0", title="rigid")
+    assert (case.wing.modes, rigid.wing.modes, rigid.title) == (1, 0, "rigid")
+    with pytest.raises(CaseError, match=r"wing\.modes = -1"):
+        case.override("wing.modes=-1")
+
+
+def test_shipped_cases_and_the_template_fit_the_schema():
+    schema = case_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    for file in CASES.glob("*.toml"):
+        jsonschema.validate(tomllib.loads(file.read_text()), schema)
+    jsonschema.validate(tomllib.loads(commented_case()), schema)
+
+
+def test_the_template_is_a_valid_case_that_names_every_key():
+    case = parse_case(tomllib.loads(commented_case()))
+    assert case.to_dict() == parse_case(case.to_dict()).to_dict()
+    text = commented_case()
+    for section in ("wing", "motion", "fluid", "dbet", "uvlm", "time", "output"):
+        for key in type(getattr(case, section)).model_fields:
+            assert f"{key} = " in text
+
+
+@pytest.mark.parametrize(
+    ("setting", "phrase"),
+    [
+        ("wing.youngs_modulus=1e9", "below the flapping frequency"),
+        ("wing.density=1.0", "not denser than the fluid"),
+        ("wing.thickness=0.01", "over a fifth of the chord"),
+    ],
+)
+def test_implausible_cases_are_warned_about(setting, phrase):
+    assert phrase in "\n".join(plausible.warnings(hawkmoth(setting)))
+
+
+def test_shipped_cases_are_plausible():
+    for file in CASES.glob("*.toml"):
+        assert plausible.warnings(taichiflap.load_case(file)) == []

@@ -1,0 +1,161 @@
+"""The commands as a user runs them: output, exit codes, quiet, light."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from conftest import CASES
+
+import taichiflap
+
+
+def run(*arguments, cwd=None, **options):
+    """Run the command line in a process of its own."""
+    command = [sys.executable, "-m", "taichiflap", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, **options)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder in which `simulate` has written hawkmoth.h5."""
+    folder = tmp_path_factory.mktemp("runs")
+    ran = run("simulate", CASES / "hawkmoth.toml", "--set", "time.periods=4", cwd=folder)
+    assert ran.returncode == 0, ran.stderr
+    (folder / "printed").write_text(ran.stdout)
+    assert ran.stderr == ""
+    return folder
+
+
+def test_simulate_writes_the_result_and_says_what_it_amounts_to(folder):
+    printed = (folder / "printed").read_text()
+    for phrase in (
+        "hawkmoth.h5, complete, 801 frames",
+        "UVLM, 50 panels",
+        "79.96 Hz",
+        "over the last 2 beats",
+    ):
+        assert phrase in printed
+    assert [file.name for file in folder.glob("*.h5*")] == ["hawkmoth.h5"]
+
+
+def test_info_prints_the_same_summary(folder):
+    ran = run("info", "hawkmoth.h5", cwd=folder)
+    assert ran.returncode == 0
+    assert ran.stdout == (folder / "printed").read_text()
+    for phrase in (
+        "vertical force",
+        "peak tip deflection",
+        "T after reversal",
+        "first harmonic",
+        "power",
+        "solve time",
+    ):
+        assert phrase in ran.stdout
+
+
+def test_settings_change_the_case(tmp_path):
+    ran = run(
+        "simulate", CASES / "hawkmoth_dbet.toml", "-o", "rigid.h5", "--set", "wing.modes=0", "--set", "time.periods=2",
+        cwd=tmp_path,
+    )  # fmt: skip
+    assert "rigid" in ran.stdout
+    assert "DBET, 50 elements" in ran.stdout
+    with taichiflap.open_result(tmp_path / "rigid.h5") as result:
+        assert (result.case.wing.modes, result.case.time.periods) == (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "phrases"),
+    [
+        (("simulate", "absent.toml"), ["absent.toml: no such file"]),
+        (
+            ("simulate", CASES / "hawkmoth.toml", "--set", "wing.chrod=1", "--set", "uvlm.panels=0"),
+            ["did you mean wing.chord?", "uvlm.panels = 0: must be a whole number >= 1"],
+        ),
+        (("simulate", CASES / "hawkmoth.toml", "-o", "."), ["is a directory"]),
+        (("simulate", CASES / "hawkmoth.toml", "-o", "no/such/folder.h5"), ["cannot be created"]),
+        (("info", "absent.h5"), ["absent.h5: no such file"]),
+        (("info", CASES / "hawkmoth.toml"), ["not a readable result file"]),
+        (("init", "."), ["exists already"]),
+        (("simulate", CASES / "hawkmoth.toml", "--threads", "0"), ["--threads"]),
+        (("simulat",), ["simulat"]),
+    ],
+)
+def test_mistakes_get_a_sentence_and_exit_code_2(arguments, phrases, tmp_path):
+    ran = run(*arguments, cwd=tmp_path)
+    assert ran.returncode == 2
+    assert "Traceback" not in ran.stderr
+    for phrase in phrases:
+        assert phrase in ran.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_existing_result_is_kept_unless_told_otherwise(folder):
+    before = (folder / "hawkmoth.h5").stat().st_mtime_ns
+    ran = run("simulate", CASES / "hawkmoth.toml", cwd=folder)
+    assert (ran.returncode, "--overwrite" in ran.stderr) == (2, True)
+    assert (folder / "hawkmoth.h5").stat().st_mtime_ns == before
+
+
+def test_a_diverging_run_ends_with_code_1_and_its_frames(tmp_path):
+    spinning = ("wing.youngs_modulus=1.0", "motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0")
+    settings = [part for s in (*spinning, "fluid.density=0.0", "time.periods=60") for part in ("--set", s)]
+    ran = run("simulate", CASES / "hawkmoth_dbet.toml", *settings, cwd=tmp_path)
+    assert ran.returncode == 1
+    assert "ceased to be finite at step" in ran.stderr
+    assert "warning: the first natural frequency" in ran.stderr
+    assert (tmp_path / "hawkmoth_dbet.h5").exists()
+
+
+def test_init_writes_a_case_that_runs(tmp_path):
+    assert run("init", "mine.toml", cwd=tmp_path).returncode == 0
+    ran = run("simulate", "mine.toml", "--set", "time.periods=1", cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    assert (tmp_path / "mine.h5").exists()
+
+
+def test_schema_is_json():
+    schema = json.loads(run("schema").stdout)
+    assert schema["properties"]["wing"]["$ref"] == "#/$defs/Wing"
+
+
+def test_version():
+    assert run("--version").stdout == f"taichiflap {taichiflap.__version__}\n"
+
+
+def test_help_loads_nothing_heavy():
+    script = (
+        "import sys, taichiflap, taichiflap.cli as c\n"
+        "try: c.app(['--help'])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'taichi', 'viser', 'numpy', 'h5py', 'pydantic'} & set(sys.modules)\n"
+        "sys.exit(repr(heavy) if heavy else 0)"
+    )
+    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    assert "simulate" in ran.stdout
+
+
+def test_help_answers_at_once():
+    """A bound on processor time, which a busy machine stretches less than wall time."""
+    before = os.times()
+    run("--help")
+    after = os.times()
+    used = after.children_user + after.children_system - before.children_user - before.children_system
+    assert used < 0.4
+
+
+def test_no_connection_is_attempted(tmp_path):
+    """Every socket call of the process and of Taichi's start-up would raise."""
+    guard = tmp_path / "sitecustomize.py"
+    guard.write_text(
+        "import socket\n"
+        "def refuse(*a, **k): raise AssertionError('network')\n"
+        "socket.socket.connect = socket.create_connection = socket.getaddrinfo = refuse\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}:{CASES.parent}"}
+    ran = run("simulate", CASES / "hawkmoth_dbet.toml", "--set", "time.periods=1", cwd=tmp_path, env=environment)
+    assert ran.returncode == 0, ran.stderr
+    assert (ran.stderr, "Taichi" in ran.stdout) == ("", False)

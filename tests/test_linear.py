@@ -1,0 +1,40 @@
+"""Dense solves inside kernels, against LAPACK."""
+
+import numpy as np
+import pytest
+
+from taichiflap.linear import solve_few, solve_systems
+from taichiflap.runtime import Floats3, start, ti
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 8, 9, 16, 50])
+@pytest.mark.parametrize("r", [1, 3, 9])
+def test_matches_lapack_on_random_systems(rng, n, r):
+    matrix, rhs = rng.normal(size=(3, n, n)), rng.normal(size=(3, n, r))
+    expected = np.linalg.solve(matrix, rhs)
+    error = np.linalg.norm(solve_systems(matrix, rhs) - expected) / np.linalg.norm(expected)
+    assert error < 1e-12 * np.linalg.cond(matrix).max()
+
+
+def test_pivots_where_the_diagonal_is_zero():
+    matrix = np.array([[[0.0, 2.0, 0.0], [0.0, 0.0, 3.0], [4.0, 0.0, 0.0]]])
+    solution = solve_systems(matrix, np.array([[[2.0], [3.0], [4.0]]]))
+    np.testing.assert_array_equal(solution, np.ones((1, 3, 1)))
+
+
+@ti.kernel
+def solve_all_few(a: Floats3, n: ti.i32):
+    for i in range(1):
+        for b in range(a.shape[0]):
+            solve_few(a, b, n)
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 5, 8])
+def test_few_unknowns_match_lapack(rng, n):
+    start()
+    matrix = rng.normal(size=(4, n, n)) + 4 * np.eye(n)
+    rhs = rng.normal(size=(4, n, 1))
+    a = np.concatenate((matrix, rhs), axis=2)
+    if n:
+        solve_all_few(a, n)
+    np.testing.assert_allclose(a[:, :, n:], np.linalg.solve(matrix, rhs), rtol=1e-11, atol=1e-12)

@@ -1,0 +1,146 @@
+"""Vortex lattice: exact steady circulation, Kelvin's theorem, an independent march, the wake's ring."""
+
+import numpy as np
+import pytest
+from conftest import assert_columns_agree, hawkmoth, march
+from oracle import UvlmOracle, velocity
+
+from taichiflap import fluids, wake
+from taichiflap.march import March
+from taichiflap.runtime import Floats2, Floats3, ti
+from taichiflap.runtime import view as numpy_view
+
+SHORT = ("time.periods=1", "time.steps_per_period=30")
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ("wing.modes=2", "uvlm.panels=7", "uvlm.wake=12", "uvlm.core=0.03"),
+        ("wing.modes=1", "uvlm.panels=9", "uvlm.wake=all", "uvlm.shedding=local", "uvlm.core=0.05"),
+        ("wing.modes=0", "uvlm.panels=1", "uvlm.wake=5", "uvlm.shedding=local", "fluid.velocity=[1.0, -0.5]"),
+        (
+            "wing.modes=3",
+            "uvlm.panels=16",
+            "uvlm.wake=1",
+            "fluid.velocity=[0.0, 3.0]",
+            "wing.youngs_modulus=9e9",
+        ),
+        ("wing.modes=8", "uvlm.panels=20", "uvlm.wake=8", "motion.pitch.mean_deg=20.0"),
+    ],
+)
+def test_matches_an_independent_march(settings):
+    case = hawkmoth(*SHORT, *settings)
+    frames, _ = march(case)
+    oracle = UvlmOracle(case).march(case.steps)
+    for name, ours, tolerance in (
+        ("q", frames.q[:, 0], 1e-9),
+        ("a", frames.q[:, 2], 1e-9),
+        ("force", frames.force[:, :3], 1e-9),
+        ("gamma", frames.panel_circulation, 1e-6),
+    ):
+        theirs = np.array([step[name] for step in oracle.history])
+        assert_columns_agree(ours, theirs, tolerance)
+    wakes = np.concatenate([step["wake"] for step in oracle.history]).T
+    np.testing.assert_allclose(frames.wake, wakes, rtol=1e-6, atol=1e-8)
+
+
+def plate(alpha_deg, panels, *settings):
+    """A still plate at an angle in a stream, the new vortex so far behind that the flow is steady at once."""
+    speed = 4.0
+    alpha = np.radians(alpha_deg)
+    case = hawkmoth(
+        "wing.modes=0", "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0", "time.periods=1",
+        "time.steps_per_period=4", "wing.chord=0.02", f"uvlm.panels={panels}", "uvlm.wake=1",
+        f"fluid.velocity=[{speed * np.cos(alpha)}, {speed * np.sin(alpha)}]", *settings,
+    )  # fmt: skip
+    marched = March([case], fluids.load("uvlm"))
+    numpy_view(marched.groups["wake"].distance)[...] = 1e14
+    return marched.advance(1)[0], speed, case
+
+
+@pytest.mark.parametrize("panels", [1, 2, 5, 50])
+@pytest.mark.parametrize("alpha_deg", [-40.0, 1.0, 5.0, 30.0])
+def test_steady_plate_lifts_2_pi_sin_alpha(panels, alpha_deg):
+    frames, speed, case = plate(alpha_deg, panels)
+    lift_coefficient = -2.0 * frames["circulation"][0] / (speed * case.wing.chord)
+    assert lift_coefficient == pytest.approx(2 * np.pi * np.sin(np.radians(alpha_deg)), rel=1e-10)
+    normal = frames["force"][0, 0] / (0.5 * 1.225 * speed**2 * case.wing.chord * case.wing.span)
+    expected = 2 * np.pi * np.sin(np.radians(alpha_deg)) * np.cos(np.radians(alpha_deg))
+    assert normal == pytest.approx(expected, rel=1e-10)
+
+
+def test_no_penetration_of_the_deformed_camber_line():
+    case = hawkmoth(*SHORT, "wing.modes=2", "uvlm.panels=12", "uvlm.wake=20", "uvlm.core=0.02")
+    oracle = UvlmOracle(case).march(25)
+    last = oracle.history[-1]
+    sources = np.vstack((oracle.bound, np.zeros((0, 3))))
+    induced = velocity(oracle.controls, sources) + velocity(oracle.controls, last["wake"], oracle.core2)
+    through = np.sum((induced - oracle.control_velocity(oracle.v)) * oracle.normal, axis=1)
+    ours = march(case)[0]
+    np.testing.assert_allclose(ours.panel_circulation[25], oracle.bound[:, 2], rtol=1e-5)
+    assert np.abs(through).max() < 1e-10 * np.abs(oracle.control_velocity(oracle.v)).max()
+
+
+@pytest.mark.parametrize("settings", [(), ("uvlm.wake=all", "uvlm.shedding=local"), ("uvlm.wake=7",)])
+def test_kelvins_sum_is_zero_at_every_step(settings):
+    case = hawkmoth("time.periods=2", "wing.modes=2", "uvlm.panels=20", *settings)
+    marched = March([case], fluids.load("uvlm"))
+    wakes, flow = marched.groups["wake"], marched.groups["flow"]
+    worst = largest = 0.0
+    while not marched.done:
+        marched.advance(1)
+        held = int(numpy_view(wakes.ring)[0, wake.COUNT])
+        shed = numpy_view(wakes.vortex)[0, 2, :held].sum() + numpy_view(wakes.dropped)[0]
+        worst = max(worst, abs(shed + numpy_view(flow.total)[0]))
+        largest = max(largest, abs(numpy_view(flow.total)[0]))
+    assert largest > 0.05
+    assert worst < 1e-12 * largest
+
+
+@ti.kernel
+def convect_once(wakes: wake.Wake, bound: Floats3, stream: Floats2, count: ti.i32, step: ti.f64):
+    for i in range(1):
+        wake.convect(wakes, bound, count, stream, 0, step)
+
+
+@pytest.mark.parametrize("core", [0.0, 0.3])
+def test_convection_matches_the_oracle(rng, core):
+    case = hawkmoth("uvlm.wake=21", f"uvlm.core={core}", "wing.chord=1.0")
+    wakes = wake.allocate([case])
+    vortices, bound = rng.normal(size=(3, 21)), rng.normal(size=(3, 8))
+    numpy_view(wakes.vortex)[0, :, :21] = vortices
+    numpy_view(wakes.ring)[0] = (21, 21, 4, 3)
+    stream = [0.3, -0.2]
+    convect_once(wakes, bound[None], np.array([stream]), 5, 0.1)
+    sources = np.hstack((vortices, bound[:, :5])).T
+    expected = vortices[:2].T + 0.1 * (velocity(vortices[:2].T, sources, core**2) + stream)
+    np.testing.assert_allclose(numpy_view(wakes.vortex)[0, :2, :21].T, expected, rtol=1e-11, atol=1e-12)
+
+
+@ti.kernel
+def shed_once(wakes: wake.Wake, n: ti.i32, y: ti.f64, z: ti.f64):
+    for i in range(1):
+        wake.shed(wakes, 0, n, y, z)
+
+
+def test_a_full_ring_gives_up_its_oldest():
+    case = hawkmoth("uvlm.wake=3")
+    wakes = wake.allocate([case])
+    for n in range(5):
+        shed_once(wakes, n, float(n), -float(n))
+        youngest = numpy_view(wakes.ring)[0, wake.YOUNGEST]
+        numpy_view(wakes.vortex)[0, 2, youngest] = 10.0**n
+    keep, count, oldest, _ = numpy_view(wakes.ring)[0]
+    order = (oldest + np.arange(count)) % keep
+    assert numpy_view(wakes.birth)[0, order].tolist() == [2, 3, 4]
+    assert numpy_view(wakes.vortex)[0, 0, order].tolist() == [2.0, 3.0, 4.0]
+    assert numpy_view(wakes.dropped)[0] == 11.0
+
+
+def test_wake_of_frames_runs_from_the_oldest_to_the_youngest():
+    case = hawkmoth(*SHORT, "uvlm.wake=10", "uvlm.panels=4")
+    frames, _ = march(case)
+    ends = np.cumsum(frames.wake_count)
+    assert frames.wake_count.tolist() == [min(n + 1, 10) for n in range(31)]
+    assert frames.wake_birth[ends[-2] :].tolist() == list(range(21, 31))
