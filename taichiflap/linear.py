@@ -1,14 +1,13 @@
 """Dense linear systems inside kernels: Gaussian elimination in blocks of eight columns.
 
-A system of `n` unknowns with `r` right-hand sides is stored as `n` rows of octets: ceil(n/8) octets of matrix,
-then ceil(r/8) of right-hand sides, which the solution replaces. Rows of one array may alias as far as
-the compiler knows, so each column block is taken on its own with the pivot row's octet held in a register.
+The matrix of a system of `n` unknowns is stored as `n` rows of ceil(n/8) octets. Rows of one array may alias as
+far as the compiler knows, so each column block is taken on its own with the pivot row's octet held in a register.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .runtime import LANE, Floats2, Octet, Octets3, View, start, tasks, ti, view
+from .runtime import LANE, Floats2, Floats3, Octet, Octets3, View, start, tasks, ti, view
 
 
 def octets(n: int) -> int:
@@ -27,13 +26,14 @@ def element(a: View, b, row, column):
 
 
 @ti.func
-def solve(a: View, factor: View, b, n, width):
-    """Solve system `b` in place, with partial pivoting.
+def solve(a: View, x: View, factor: View, b, n, columns):
+    """Solve system `b` with partial pivoting; the matrix is overwritten.
 
-    `a` has shape (systems, n, width) of octets; `factor` (systems, n) is scratch.
+    `a` has shape (systems, n, octets) and `x` (systems, columns, n): right-hand sides, then the solutions.
+    `factor` (systems, n) is scratch.
     """
+    blocks = (n + 7) // 8
     for k in range(n):
-        block = k // 8
         pivot_row = k
         largest = -1.0
         for i in range(k, n):
@@ -43,25 +43,35 @@ def solve(a: View, factor: View, b, n, width):
                 largest = size
                 pivot_row = i
         if pivot_row != k:
-            for j in range(block, width):
+            for j in range(k // 8, blocks):
                 other = a[b, pivot_row, j]
                 a[b, pivot_row, j] = a[b, k, j]
                 a[b, k, j] = other
+            for c in range(columns):
+                swapped = x[b, c, pivot_row]
+                x[b, c, pivot_row] = x[b, c, k]
+                x[b, c, k] = swapped
         inverse = 1.0 / factor[b, pivot_row]
         factor[b, pivot_row] = factor[b, k]
         for i in range(k + 1, n):
             factor[b, i] = factor[b, i] * inverse
-        for j in range(block, width):
+        for j in range(k // 8, blocks):
             pivot = a[b, k, j]
             for i in range(k + 1, n):
                 a[b, i, j] = a[b, i, j] - factor[b, i] * pivot
-    for j in range((n + 7) // 8, width):
-        for m in range(n):
-            k = n - 1 - m
-            x = a[b, k, j] / element(a, b, k, k)
-            a[b, k, j] = x
+        for c in range(columns):
+            known = x[b, c, k]
+            for i in range(k + 1, n):
+                x[b, c, i] = x[b, c, i] - factor[b, i] * known
+    for m in range(n):
+        k = n - 1 - m
+        for i in range(k + 1):
+            factor[b, i] = element(a, b, i, k)
+        for c in range(columns):
+            known = x[b, c, k] / factor[b, k]
+            x[b, c, k] = known
             for i in range(k):
-                a[b, i, j] = a[b, i, j] - element(a, b, i, k) * x
+                x[b, c, i] = x[b, c, i] - factor[b, i] * known
 
 
 @ti.func
@@ -81,12 +91,12 @@ def solve_few(a: View, b, n):
 
 
 @ti.kernel
-def _solve_all(a: Octets3, factor: Floats2, n: ti.i32, lanes: ti.i32):
+def _solve_all(a: Octets3, x: Floats3, factor: Floats2, lanes: ti.i32):
     for i in range(lanes * LANE):
         if i % LANE == 0:
             lane = i // LANE
             for m in range((a.shape[0] - lane + lanes - 1) // lanes):
-                solve(a, factor, lane + m * lanes, n, a.shape[2])
+                solve(a, x, factor, lane + m * lanes, x.shape[2], x.shape[1])
 
 
 def solve_systems(matrix: ArrayLike, rhs: ArrayLike) -> NDArray[np.float64]:
@@ -94,21 +104,17 @@ def solve_systems(matrix: ArrayLike, rhs: ArrayLike) -> NDArray[np.float64]:
 
     Args:
         matrix: shape (systems, n, n).
-        rhs: shape (systems, n, r).
+        rhs: shape (systems, n, columns).
 
     Returns:
-        Solutions, shape (systems, n, r).
+        Solutions, shape (systems, n, columns).
     """
     start()
-    matrix = np.asarray(matrix, dtype=np.float64)
-    rhs = np.asarray(rhs, dtype=np.float64)
-    systems, n, r = rhs.shape
-    width = octets(n) + octets(r)
-    rows = np.zeros((systems, n, 8 * width))
+    x = np.ascontiguousarray(np.swapaxes(np.asarray(rhs, dtype=np.float64), 1, 2))
+    systems, _, n = x.shape
+    a = ti.ndarray(Octet, (systems, n, octets(n)))
+    rows = view(a).reshape(systems, n, 8 * octets(n))
     rows[:, :, :n] = matrix
-    rows[:, :, 8 * octets(n) : 8 * octets(n) + r] = rhs
-    a = ti.ndarray(Octet, (systems, n, width))
-    view(a)[...] = rows.reshape(systems, n, width, 8)
-    _solve_all(a, np.empty((systems, n)), n, tasks(systems))
-    solved = view(a).reshape(systems, n, 8 * width)
-    return solved[:, :, 8 * octets(n) : 8 * octets(n) + r]
+    rows[:, :, n:] = 0.0
+    _solve_all(a, x, np.empty((systems, n)), tasks(systems))
+    return np.swapaxes(x, 1, 2)

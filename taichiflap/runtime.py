@@ -61,6 +61,7 @@ def start() -> None:
     if _threads:
         return
     _threads = available_threads()
+    _skip_source_lines()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
             arch=ti.cpu,
@@ -70,6 +71,15 @@ def start() -> None:
             cpu_max_num_threads=_threads,
             log_level=ti.ERROR,
         )
+
+
+def _skip_source_lines() -> None:
+    """Spare Taichi the drawing of a source line for every node it reads: half of the time to load a kernel.
+
+    Only its messages about errors in kernels show them. TAICHIFLAP_DEBUG=1 keeps them.
+    """
+    if not os.environ.get("TAICHIFLAP_DEBUG"):
+        ti.lang.ast.ast_transformer_utils.ASTTransformerContext.get_pos_info = lambda _context, _node: ""
 
 
 def tasks(cases: int, threads: int | None = None) -> int:

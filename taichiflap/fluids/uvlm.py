@@ -72,6 +72,7 @@ Flow = ti.types.argpack(
     total=Floats1,  # bound circulation, one step earlier
     pressure=Floats2,
     matrix=Octets3,
+    solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode
     factor=Floats2,
 )
 
@@ -117,7 +118,8 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]
         sums=zeros(ti.f64, count, 2, most),
         total=zeros(ti.f64, count),
         pressure=zeros(ti.f64, count, most),
-        matrix=zeros(Octet, count, most, most // 8 + linear.octets(modes + 1)),
+        matrix=zeros(Octet, count, most, most // 8),
+        solution=zeros(ti.f64, count, modes + 1, most),
         factor=zeros(ti.f64, count, most),
     )
     return {"flow": flow, "wake": wake.allocate(cases)}
@@ -255,41 +257,28 @@ def assemble(body: View, flow: View, b, n):
     modes = body.modes[b]
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
-    width = (flow.panels[b] + 7) // 8
     for i in range(flow.panels[b]):
         t_y = flow.tangent[b, Y, i]
         t_z = flow.tangent[b, Z, i]
         new = flow.new[b, Z, i] * t_y - flow.new[b, Y, i] * t_z
-        for block in range(width):
+        for block in range((flow.panels[b] + 7) // 8):
             dy = flow.point[b, Y, i] - octet(flow.vortex, b, Y, 8 * block)
             dz = flow.point[b, Z, i] - octet(flow.vortex, b, Z, 8 * block)
             flow.matrix[b, i, block] = INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz) - new
         u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.wash[b, Y, i]
         u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.wash[b, Z, i]
         u_z += between(flow.node[b, 2, i], flow.node[b, 2, i + 1], TO_POINT)
-        for block in range((modes + 8) // 8):
-            rhs = Octet(0.0)
-            for lane in ti.static(range(8)):
-                k = 8 * block + lane - 1
-                if k < 0:
-                    rhs[lane] = u_z * t_y - u_y * t_z - new * flow.total[b]
-                elif k < modes:
-                    rhs[lane] = between(flow.shape[b, k, i], flow.shape[b, k, i + 1], TO_POINT) * t_y
-            flow.matrix[b, i, width + block] = rhs
-
-
-@ti.func
-def solution(flow: View, b, i, column):
-    """Circulation of panel `i`: column 0 with no modal acceleration, column k + 1 for a unit rate of mode k."""
-    return linear.element(flow.matrix, b, i, 8 * ((flow.panels[b] + 7) // 8) + column)
+        flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.total[b]
+        for k in range(modes):
+            flow.solution[b, k + 1, i] = between(flow.shape[b, k, i], flow.shape[b, k, i + 1], TO_POINT) * t_y
 
 
 @ti.func
 def circulation_at(body: View, flow: View, state: View, b, i):
     """Circulation of panel `i` at the modal rates of a state."""
-    circulation = solution(flow, b, i, 0)
+    circulation = flow.solution[b, 0, i]
     for k in range(body.modes[b]):
-        circulation += solution(flow, b, i, k + 1) * (state[b, RATE, k] - body.q_known[b, RATE, k])
+        circulation += flow.solution[b, k + 1, i] * (state[b, RATE, k] - body.q_known[b, RATE, k])
     return circulation
 
 
@@ -322,7 +311,7 @@ def load_modes(body: View, flow: View, b, rule):
     for column in range(modes + 1):
         running = 0.0
         for i in range(flow.panels[b]):
-            circulation = solution(flow, b, i, column)
+            circulation = flow.solution[b, column, i]
             running += circulation
             change = rule[C0] * running
             if column == 0:
@@ -381,8 +370,8 @@ def prepare(batch: View, b, n, rule):
     shed_vortex(batch.body, batch.flow, batch.wake, b, n)
     wash_panels(batch.body, batch.flow, batch.wake, b, n)
     assemble(batch.body, batch.flow, b, n)
-    width = (panels + 7) // 8 + (batch.body.modes[b] + 8) // 8
-    linear.solve(batch.flow.matrix, batch.flow.factor, b, panels, width)
+    columns = batch.body.modes[b] + 1
+    linear.solve(batch.flow.matrix, batch.flow.solution, batch.flow.factor, b, panels, columns)
     slip_past_panels(batch.body, batch.flow, b, n)
     load_modes(batch.body, batch.flow, b, rule)
 
