@@ -10,7 +10,7 @@ import xarray
 from conftest import CASES, hawkmoth
 
 import taichiflap
-from taichiflap import results
+from taichiflap import results, run
 from taichiflap.variables import VARIABLES
 
 SHORT = ("time.periods=2", "uvlm.panels=10", "uvlm.wake=50", "wing.modes=2")
@@ -88,6 +88,17 @@ def test_in_memory_and_on_disk_are_the_same(uvlm_file):
         assert in_memory.case == on_disk.case
         for name in on_disk.variables:
             np.testing.assert_array_equal(getattr(in_memory, name), getattr(on_disk, name))
+
+
+def test_no_bit_depends_on_where_the_blocks_end(monkeypatch):
+    whole = taichiflap.simulate(hawkmoth(*SHORT))
+    monkeypatch.setattr(run, "BLOCK_STEPS", 13)
+    in_pieces = taichiflap.simulate(hawkmoth(*SHORT))
+    for name in whole.variables:
+        np.testing.assert_array_equal(getattr(whole, name), getattr(in_pieces, name), err_msg=name)
+    for index in (0, 57, 400):
+        for name, values in whole.wake(index).items():
+            np.testing.assert_array_equal(values, in_pieces.wake(index)[name])
 
 
 def test_a_batch_gives_a_result_each(tmp_path):
