@@ -12,7 +12,7 @@ import numpy as np
 from . import beam, motion
 from .case import Case
 from .motion import PITCH, PLUNGE_RATE
-from .runtime import Floats1, Floats2, Floats3, Ints1, View, ti, view
+from .runtime import Floats1, Floats2, Floats3, Ints1, Octet, View, ti, view
 
 NORMAL, AXIAL, MOMENT, UNSTEADY = range(4)
 """Columns of `force`: along e_z, along e_y (N), about the pivot (N m), and the share of the normal force
@@ -91,6 +91,13 @@ def array(values: Any, dtype: type | None = None) -> Any:
     values = np.asarray(values, dtype=dtype)
     made = ti.ndarray(ti.f64 if values.dtype.kind == "f" else ti.i32, values.shape)
     view(made)[...] = values
+    return made
+
+
+def octets(values: np.ndarray) -> Any:
+    """A Taichi array of octets that holds `values`, whose last axis is a multiple of eight."""
+    made = ti.ndarray(Octet, (*values.shape[:-1], values.shape[-1] // 8))
+    view(made)[...] = values.reshape(*made.shape, 8)
     return made
 
 

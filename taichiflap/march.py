@@ -57,7 +57,7 @@ def predict(body: View, b, n, rule):
         for j in range(body.modes[b]):
             body.response[b, j, k] = 0.0
         if n == 0:
-            for row in ti.static((AMPLITUDE, RATE)):
+            for row in range(2):
                 body.q_known[b, row, k] = body.q[b, row, k]
                 body.q_guess[b, row, k] = body.q[b, row, k]
         else:
@@ -65,7 +65,7 @@ def predict(body: View, b, n, rule):
             rate = body.q[b, RATE, k]
             body.q_guess[b, AMPLITUDE, k] = body.q[b, AMPLITUDE, k] + dt * (rate + 0.5 * dt * accel)
             body.q_guess[b, RATE, k] = rate + dt * accel
-            for row in ti.static((AMPLITUDE, RATE)):
+            for row in range(2):
                 now = body.q[b, row, k]
                 body.q_known[b, row, k] = -(rule[C1] * now + rule[C2] * body.q_before[b, row, k]) / rule[C0]
                 body.q_before[b, row, k] = now
@@ -107,7 +107,7 @@ def is_finite(body: View, b):
     total = 0.0
     for k in range(body.modes[b]):
         total += body.q[b, ACCEL, k]
-    for c in ti.static(range(4)):
+    for c in range(4):
         total += body.force[b, c]
     return not (ti.math.isnan(total) or ti.math.isinf(total))
 
@@ -119,10 +119,10 @@ def track_frame(body: View, track: View, b, frame):
         force = body.load[b, j]
         for k in range(modes):
             force += body.response[b, j, k] * body.q[b, ACCEL, k]
-        for row in ti.static((AMPLITUDE, RATE, ACCEL)):
+        for row in range(3):
             track.q[b, frame, row, j] = body.q[b, row, j]
         track.modal_force[b, frame, j] = force
-    for c in ti.static(range(4)):
+    for c in range(4):
         track.force[b, frame, c] = body.force[b, c]
 
 

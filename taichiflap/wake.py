@@ -87,7 +87,7 @@ def convect(wake: View, bound: View, panels, stream: View, b, dt):
         b_y, b_z = induce(y, z, bound, b, panels, wake.core2[b])
         store_octet(wake.velocity, b, Y, 8 * block, w_y + b_y + stream[b, Y])
         store_octet(wake.velocity, b, Z, 8 * block, w_z + b_z + stream[b, Z])
-    for axis in ti.static((Y, Z)):
+    for axis in range(2):
         for i in range(count):
             wake.vortex[b, axis, i] = wake.vortex[b, axis, i] + dt * wake.velocity[b, axis, i]
 

@@ -25,12 +25,13 @@ from ..body import (
     UNSTEADY,
     array,
     most_modes,
+    octets,
     pivot_velocity,
 )
 from ..case import Case
 from ..motion import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
-from ..runtime import Floats1, Floats2, Floats3, Ints1, Octet, Singles3, View, ti
-from ..vortex import TINY, octet, store_octet
+from ..runtime import Floats1, Floats2, Ints1, Octet, Octets3, Singles3, View, ti
+from ..vortex import TINY
 
 POSITION, AREA, R_Z, E_Y, W_RATE, NORMAL_TRACTION, SLOPE, ACCELERATION, PRESSURE, SHEAR = range(10)
 """Rows of the elements: position along the chord and area (none where a batch pads); rigid part of u_z and elastic
@@ -46,8 +47,8 @@ Flow = ti.types.argpack(
     lift_max=Floats1,
     drag_min=Floats1,
     drag_max=Floats1,
-    element=Floats3,
-    shape=Floats3,  # mode shapes at the midpoints
+    element=Octets3,  # (case, row, eight elements)
+    shape=Octets3,  # (case, mode, eight elements): mode shapes at the midpoints
 )
 
 Film = ti.types.argpack(pressure_jump=Singles3, shear=Singles3)
@@ -78,8 +79,8 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]
         lift_max=array([case.dbet.lift_max for case in cases], float),
         drag_min=array([case.dbet.drag_min for case in cases], float),
         drag_max=array([case.dbet.drag_max for case in cases], float),
-        element=array(element),
-        shape=array(shape),
+        element=octets(element),
+        shape=octets(shape),
     )
     return {"flow": flow}
 
@@ -111,11 +112,11 @@ def frame_bytes(case: Case) -> float:
 
 
 @ti.func
-def superpose_octet(shape: View, state: View, b, row, first, count):
+def superpose_octet(shape: View, state: View, b, row, block, count):
     """`sum_k phi_k q_k` of a row of a modal state at eight elements."""
     total = Octet(0.0)
     for k in range(count):
-        total += octet(shape, b, k, first) * state[b, row, k]
+        total += shape[b, k, block] * state[b, row, k]
     return total
 
 
@@ -154,20 +155,19 @@ def linearise(body: View, flow: View, b, n):
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]
     for block in range((flow.elements[b] + 7) // 8):
-        first = 8 * block
-        y = octet(flow.element, b, POSITION, first)
-        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, first, modes)
-        w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, first, modes)
+        y = flow.element[b, POSITION, block]
+        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
+        w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
         r_y = Octet(p_y)
         r_z = p_z + y * theta_rate
         e_y = -theta_rate * w
         normal, _, slope = blade_force(flow, b, r_y, r_z, e_y, w_rate)
-        store_octet(flow.element, b, R_Z, first, r_z)
-        store_octet(flow.element, b, E_Y, first, e_y)
-        store_octet(flow.element, b, W_RATE, first, w_rate)
-        store_octet(flow.element, b, NORMAL_TRACTION, first, normal)
-        store_octet(flow.element, b, SLOPE, first, slope)
-        store_octet(flow.element, b, ACCELERATION, first, heave + y * theta_accel - w * (theta_rate * theta_rate))
+        flow.element[b, R_Z, block] = r_z
+        flow.element[b, E_Y, block] = e_y
+        flow.element[b, W_RATE, block] = w_rate
+        flow.element[b, NORMAL_TRACTION, block] = normal
+        flow.element[b, SLOPE, block] = slope
+        flow.element[b, ACCELERATION, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
 
 
 @ti.func
@@ -181,20 +181,18 @@ def load_modes(body: View, flow: View, b, rule):
     for j in range(modes):
         load = Octet(0.0)
         for block in range((flow.elements[b] + 7) // 8):
-            first = 8 * block
-            known_rate = superpose_octet(flow.shape, body.q_known, b, RATE, first, modes)
-            ahead = known_rate - octet(flow.element, b, W_RATE, first)
-            traction = octet(flow.element, b, NORMAL_TRACTION, first) + octet(flow.element, b, SLOPE, first) * ahead
-            traction += flow.added_mass[b] * octet(flow.element, b, ACCELERATION, first)
-            load -= octet(flow.shape, b, j, first) * octet(flow.element, b, AREA, first) * traction
+            known_rate = superpose_octet(flow.shape, body.q_known, b, RATE, block, modes)
+            ahead = known_rate - flow.element[b, W_RATE, block]
+            traction = flow.element[b, NORMAL_TRACTION, block] + flow.element[b, SLOPE, block] * ahead
+            traction += flow.added_mass[b] * flow.element[b, ACCELERATION, block]
+            load -= flow.shape[b, j, block] * flow.element[b, AREA, block] * traction
         body.load[b, j] = load.sum()
         for k in range(modes):
             response = Octet(0.0)
             for block in range((flow.elements[b] + 7) // 8):
-                first = 8 * block
-                inertia = flow.added_mass[b] + rule[BETA] * octet(flow.element, b, SLOPE, first)
-                weight = octet(flow.shape, b, j, first) * octet(flow.element, b, AREA, first)
-                response -= weight * inertia * octet(flow.shape, b, k, first)
+                inertia = flow.added_mass[b] + rule[BETA] * flow.element[b, SLOPE, block]
+                weight = flow.shape[b, j, block] * flow.element[b, AREA, block]
+                response -= weight * inertia * flow.shape[b, k, block]
             body.response[b, j, k] = response.sum()
 
 
@@ -208,20 +206,19 @@ def sum_forces(body: View, flow: View, b, n):
     total_moment = Octet(0.0)
     total_unsteady = Octet(0.0)
     for block in range((flow.elements[b] + 7) // 8):
-        first = 8 * block
-        y = octet(flow.element, b, POSITION, first)
-        area = octet(flow.element, b, AREA, first)
-        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, first, modes)
-        w_rate = superpose_octet(flow.shape, body.q, b, RATE, first, modes)
-        w_accel = superpose_octet(flow.shape, body.q, b, ACCEL, first, modes)
-        r_z = octet(flow.element, b, R_Z, first)
-        _, drag, _ = blade_force(flow, b, Octet(p_y), r_z, octet(flow.element, b, E_Y, first), w_rate)
-        ahead = w_rate - octet(flow.element, b, W_RATE, first)
-        unsteady = -flow.added_mass[b] * (octet(flow.element, b, ACCELERATION, first) + w_accel)
-        blades = octet(flow.element, b, NORMAL_TRACTION, first) + octet(flow.element, b, SLOPE, first) * ahead
+        y = flow.element[b, POSITION, block]
+        area = flow.element[b, AREA, block]
+        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
+        w_rate = superpose_octet(flow.shape, body.q, b, RATE, block, modes)
+        w_accel = superpose_octet(flow.shape, body.q, b, ACCEL, block, modes)
+        r_z = flow.element[b, R_Z, block]
+        _, drag, _ = blade_force(flow, b, Octet(p_y), r_z, flow.element[b, E_Y, block], w_rate)
+        ahead = w_rate - flow.element[b, W_RATE, block]
+        unsteady = -flow.added_mass[b] * (flow.element[b, ACCELERATION, block] + w_accel)
+        blades = flow.element[b, NORMAL_TRACTION, block] + flow.element[b, SLOPE, block] * ahead
         normal = unsteady - blades
-        store_octet(flow.element, b, PRESSURE, first, normal)
-        store_octet(flow.element, b, SHEAR, first, -drag)
+        flow.element[b, PRESSURE, block] = normal
+        flow.element[b, SHEAR, block] = -drag
         total_normal += area * normal
         total_axial -= area * drag
         total_moment += area * (y * normal + w * drag)
@@ -247,6 +244,11 @@ def settle(batch: View, b, n, rule):
 
 @ti.func
 def record(batch: View, b, frame):
-    for e in range(batch.flow.elements[b]):
-        batch.film.pressure_jump[b, frame, e] = ti.cast(batch.flow.element[b, PRESSURE, e], ti.f32)
-        batch.film.shear[b, frame, e] = ti.cast(batch.flow.element[b, SHEAR, e], ti.f32)
+    elements = batch.flow.elements[b]
+    for block in range((elements + 7) // 8):
+        pressure = batch.flow.element[b, PRESSURE, block]
+        shear = batch.flow.element[b, SHEAR, block]
+        for lane in ti.static(range(8)):
+            if 8 * block + lane < elements:
+                batch.film.pressure_jump[b, frame, 8 * block + lane] = ti.cast(pressure[lane], ti.f32)
+                batch.film.shear[b, frame, 8 * block + lane] = ti.cast(shear[lane], ti.f32)

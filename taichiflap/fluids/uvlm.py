@@ -183,7 +183,7 @@ def lay_panels(body: View, flow: View, b, n):
         flow.length[b, i] = length
         flow.tangent[b, Y, i] = dy / length
         flow.tangent[b, Z, i] = dz / length
-        for axis in ti.static((Y, Z)):
+        for axis in range(2):
             left = flow.node[b, axis, i]
             right = flow.node[b, axis, i + 1]
             flow.vortex[b, axis, i] = between(left, right, TO_VORTEX)
@@ -392,5 +392,5 @@ def record(batch: View, b, frame):
     for m in range(batch.wake.ring[b, COUNT]):
         place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, KEEP]
         batch.film.wake_birth[b, frame, m] = batch.wake.birth[b, place]
-        for axis in ti.static((Y, Z, CIRCULATION)):
+        for axis in range(3):
             batch.film.wake[b, frame, axis, m] = ti.cast(batch.wake.vortex[b, axis, place], ti.f32)
