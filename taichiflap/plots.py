@@ -1,0 +1,223 @@
+"""Figures for print: the last beat in numbers, and the wing with its wake or its loads at instants of that beat."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from . import outputs, palette, scene
+from .metrics import after_reversal
+from .results import Result
+
+WIDTH = 7.1
+"""Width of a figure across two columns of a journal, inches."""
+RESOLUTION = 300
+INSTANTS = 8
+ARROWS = 9
+"""Arrows of the load along a chord."""
+FORMATS = ("png", "svg")
+PANELS = (
+    ("Tip deflection (mm)", ("tip_deflection",)),
+    ("Normal force (mN)", ("force_normal",)),
+    ("Vertical force (mN)", ("force_vertical",)),
+    ("Mechanical power (mW)", ("power", "power_aerodynamic", "power_inertial")),
+)
+"""Panels of the summary: label of the axis, and series, drawn in thousandths of their unit."""
+STYLES = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
+"""The power and its parts: name and line."""
+MANY_DOTS = 6000
+"""More dots than this are drawn as pixels in an SVG, lest it take minutes to open."""
+
+_STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.linewidth": 0.6,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "lines.linewidth": 1.3,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "svg.hashsalt": "taichiflap",
+    "text.color": palette.LIGHT.ink,
+    "axes.labelcolor": palette.LIGHT.ink,
+    "axes.edgecolor": palette.LIGHT.muted,
+    "xtick.color": palette.LIGHT.muted,
+    "ytick.color": palette.LIGHT.muted,
+    "xtick.labelcolor": palette.LIGHT.ink,
+    "ytick.labelcolor": palette.LIGHT.ink,
+}
+
+
+def plot(results: Sequence[Result], stem: Path, overwrite: bool = False) -> list[Path]:
+    """Write `STEM-summary` of all results, and `STEM-wing` of the first, as PNG and SVG.
+
+    Returns:
+        The files written.
+
+    Raises:
+        SceneError: when a result has no whole beat.
+        OutputError: when a file exists already or cannot be written.
+    """
+    names = ("summary", "wing")
+    paths = [stem.with_name(f"{stem.name}-{name}.{kind}") for name in names for kind in FORMATS]
+    for path in paths:
+        outputs.check(path, overwrite)
+    for name, figure in zip(names, (summary(results), wing(results[0])), strict=True):
+        for kind in FORMATS:
+            path = stem.with_name(f"{stem.name}-{name}.{kind}")
+            metadata = {"Date": None} if kind == "svg" else None
+            with outputs.replacing(path) as file, mpl.rc_context(_STYLE):
+                figure.savefig(file, format=kind, dpi=RESOLUTION, metadata=metadata)
+    return paths
+
+
+def summary(results: Sequence[Result]) -> Figure:
+    """Tip deflection, forces and power over the last beat of each result.
+
+    Raises:
+        SceneError: when a result has no whole beat.
+    """
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(WIDTH, 4.9), layout="constrained")
+        axes = list(figure.subplots(2, 2, sharex=True).flat)
+        handles = []
+        for number, result in enumerate(results):
+            colour = palette.LINES[number % len(palette.LINES)]
+            frames = scene.last_beats(result)
+            turns = result.time[frames] * result.case.motion.frequency
+            turns = turns - round(turns[-1]) + 1.0
+            for ax, (_, series) in zip(axes, PANELS, strict=True):
+                for name, (_, line) in zip(series, STYLES, strict=False):
+                    part = {} if line == "-" else {"linewidth": 1.0}
+                    ax.plot(turns, 1e3 * getattr(result, name)[frames], line, color=colour, **part)
+            handles.append(Line2D([], [], color=colour, label=_legend(result, frames)))
+        for letter, ax, (label, series) in zip("abcd", axes, PANELS, strict=True):
+            _shade(ax, results[0])
+            ax.set(ylabel=label, xlim=(0.0, 1.0))
+            ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
+            ax.annotate(f"({letter})", (0.0, 1.0), (-34, 4), "axes fraction", "offset points", fontweight="bold")
+            if len(series) > 1:
+                # Above the tallest line, so that the key crosses none of them.
+                low, high = ax.get_ylim()
+                ax.set_ylim(low, high + 0.14 * (high - low))
+                key = [Line2D([], [], linestyle=line, color=palette.LIGHT.ink, label=name) for name, line in STYLES]
+                ax.legend(handles=key, loc="upper center", ncols=3, handlelength=1.9, columnspacing=1.2)
+        for ax in axes[2:]:
+            ax.set_xlabel("Time in the last beat, t/T")
+        figure.legend(handles=handles, loc="outside upper center", ncols=1)
+    return figure
+
+
+def wing(result: Result) -> Figure:
+    """The wing at instants of the last beat: with its wake if the model has one, else with the load on the chord.
+
+    Raises:
+        SceneError: when the result has no whole beat.
+    """
+    beat = scene.last_beats(result)
+    chosen = beat[np.rint(np.linspace(0, len(beat) - 1, INSTANTS + 1)).astype(int)[:-1]]
+    frames = [scene.frame(result, int(index)) for index in chosen]
+    chord = result.case.wing.chord
+    shared = scene.bounds(frames, chord)
+    dotted = any(len(frame.wake) for frame in frames)
+    left, right, bottom, top = (1e3 * edge for edge in shared.page)
+    columns = INSTANTS // 2
+    cell = (WIDTH - (1.75 if dotted else 0.6)) / columns - 0.1
+    height = min(2.0 * cell * (top - bottom) / (right - left) + 1.3, 9.0)
+    head = 1.0 - 0.13 / height
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(WIDTH, height), layout="compressed")
+        axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
+        for ax, frame in zip(axes.flat, frames, strict=True):
+            dots = _draw_wake(ax, frame, shared, sum(len(f.wake) for f in frames) > MANY_DOTS) if dotted else None
+            _draw_wing(ax, frame)
+            ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+            ax.set_title(f"t/T = {frame.beats % 1.0:.3f}", fontsize=8, pad=3)
+            if dots is None:
+                arrows = _draw_load(ax, frame, shared, chord)
+            else:
+                arrows = _draw_force(ax, frame, shared, chord)
+        figure.supxlabel("Along the stroke, Z (mm)", fontsize=8)
+        figure.supylabel("Up, −Y (mm)", fontsize=8)
+        if dots is None:
+            text, size = f"{shared.traction:g} Pa, force of the fluid per area", shared.traction
+        else:
+            text, size = f"{1e3 * shared.force:g} mN, force of the fluid", shared.force
+            bar = figure.colorbar(
+                dots, ax=axes, shrink=0.85, aspect=35, pad=0.015, extend="both" if shared.saturated else "neither"
+            )
+            bar.set_label("Circulation of wake vortices, Γ (m² s⁻¹)\npositive counter-clockwise")
+            bar.outline.set_linewidth(0.4)
+        title = f"{scene.label(result)}: beat {round(frames[-1].beats + 0.5)}"
+        figure.text(0.01, head, title, va="center", fontsize=8.5)
+        axes[0, 0].quiverkey(
+            arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}
+        )
+        engine = figure.get_layout_engine()
+        assert engine is not None
+        engine.set(rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
+    return figure
+
+
+def _legend(result: Result, frames: np.ndarray) -> str:
+    mean = 1e3 * float(np.mean(result.force_vertical[frames[1:]]))
+    return f"{scene.label(result)} ({result.case.solver.upper()}, mean vertical force {mean:.2f} mN)"
+
+
+def _shade(ax: Any, result: Result) -> None:
+    """Shade the half-strokes towards +Z."""
+    edges = [0.0, *scene.reversals(result.case, 0.0, 1.0), 1.0]
+    if len(edges) == 2:
+        return
+    for left, right in zip(edges, edges[1:], strict=False):
+        middle = 0.5 * (left + right)
+        if right - left < 1e-6 or after_reversal(result.case, middle) is None:
+            continue
+        forth = np.cos(2.0 * np.pi * middle + np.radians(result.case.motion.plunge.phase_deg)) > 0.0
+        if forth:
+            ax.axvspan(left, right, color=palette.LIGHT.faint, linewidth=0.0, zorder=0)
+        ax.annotate(
+            f"stroke to {'+' if forth else '−'}Z", (middle, 1.0), (0, 3), ("data", "axes fraction"), "offset points",
+            ha="center", va="bottom", fontsize=7, color=palette.LIGHT.muted,
+        )  # fmt: skip
+
+
+def _draw_wake(ax: Any, frame: scene.Frame, shared: scene.Bounds, many: bool) -> Any:
+    cmap = ListedColormap(palette.table() / 255.0)
+    order = np.argsort(np.abs(frame.circulation))
+    return ax.scatter(
+        *(1e3 * frame.wake[order].T), c=frame.circulation[order], s=4.0, linewidths=0.0, cmap=cmap,
+        norm=Normalize(-shared.circulation, shared.circulation), rasterized=many, zorder=2,
+    )  # fmt: skip
+
+
+def _draw_wing(ax: Any, frame: scene.Frame) -> None:
+    ax.plot(*(1e3 * frame.wing.T), color=palette.LIGHT.ink, linewidth=1.6, solid_capstyle="round", zorder=4)
+    ax.plot(*(1e3 * frame.wing[0]), "o", color=palette.LIGHT.ink, markersize=3.0, zorder=4)
+
+
+def _draw_force(ax: Any, frame: scene.Frame, shared: scene.Bounds, chord: float) -> Any:
+    return _arrows(ax, frame.foot[None, :], frame.force[None, :], shared.force / (scene.REACH * chord), 0.011)
+
+
+def _draw_load(ax: Any, frame: scene.Frame, shared: scene.Bounds, chord: float) -> Any:
+    """The load along the chord: arrows from the wing to the curve that joins their tips."""
+    scale = shared.traction / (scene.REACH * chord)
+    feet = frame.middles
+    ax.plot(*(1e3 * (feet + frame.traction / scale)).T, color=palette.LIGHT.force, linewidth=0.8, zorder=3)
+    chosen = np.unique(np.rint(np.linspace(0, len(feet) - 1, ARROWS)).astype(int))
+    return _arrows(ax, feet[chosen], frame.traction[chosen], scale, 0.006)
+
+
+def _arrows(ax: Any, feet: np.ndarray, vectors: np.ndarray, scale: float, width: float) -> Any:
+    """Arrows on axes in mm; `scale` is what one metre stands for, `width` in widths of the axes."""
+    return ax.quiver(
+        *(1e3 * feet).T, *vectors.T, color=palette.LIGHT.force, angles="xy", scale_units="xy", scale=1e-3 * scale,
+        width=width, headwidth=4.0, headlength=5.0, headaxislength=4.5, zorder=5,
+    )  # fmt: skip
