@@ -80,6 +80,23 @@ def simulate(
 
 
 @app.command()
+def view(
+    files: Annotated[list[Path], typer.Argument(help="a result file, or two to compare", show_default=False)],
+    host: Annotated[
+        str, typer.Option(help="address to listen at; this machine only, unless told otherwise")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option(min=1, max=65535, help="port to listen at; a taken one gives way to the next")
+    ] = 8080,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open a browser")] = True,
+) -> None:
+    """Show a result in the browser, even while it is being computed."""
+    from taichiflap_viewer import view as show
+
+    show(files, host=host, port=port, browser=browser)
+
+
+@app.command()
 def info(file: Annotated[Path, typer.Argument(help="result file", show_default=False)]) -> None:
     """Summarise a result file."""
     from .results import open_result

@@ -5,6 +5,7 @@ renamed when complete, so that a crash at any moment leaves something readable.
 """
 
 import contextlib
+import itertools
 import os
 import time
 import tomllib
@@ -28,7 +29,12 @@ FORMAT = 1
 NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
 """What netCDF-4 calls a dimension scale that holds no values."""
 
+PART = ".part"
+"""What the name of a file ends in until it is complete."""
+
 SERIES_CHUNK, FIELD_CHUNK, WAKE_CHUNK = 1024, 64, 8192
+
+_in_memory = itertools.count()
 
 
 class ResultError(UserError):
@@ -193,11 +199,15 @@ class Result:
     def __init__(self, file: Any, path: Path | None = None) -> None:
         self.file = file
         self.path = path
+        self._frames = _whole_frames(file)
+        self._wake_ends = np.empty(0, dtype=np.int64)
+        # An open dataset keeps its chunks: frames in a row are read from memory.
+        self._open: dict[str, Any] = {}
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("_") or name not in self.variables:
             raise AttributeError(f"no variable {name!r} in this result; it has {', '.join(self.variables)}")
-        return self.file[name][...]
+        return self.file[name][: self.frames]
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.variables]
@@ -237,8 +247,8 @@ class Result:
 
     @property
     def frames(self) -> int:
-        """Number of frames stored."""
-        return len(self.file["time"])
+        """Number of frames stored, as of the opening or the last `refresh`."""
+        return self._frames
 
     @property
     def modes(self) -> dict[str, np.ndarray]:
@@ -250,7 +260,7 @@ class Result:
 
     def frame(self, name: str, index: int) -> np.ndarray:
         """One frame of a variable, without reading the others."""
-        return self.file[name][range(self.frames)[index]]
+        return self._dataset(name)[range(self.frames)[index]]
 
     def wake(self, index: int) -> dict[str, np.ndarray]:
         """Wake vortices of one frame, oldest first: `y`, `z` (m), `circulation` (m2/s) and `birth` (step).
@@ -260,10 +270,30 @@ class Result:
         if "wake" not in self.file:
             return {name: np.empty(0) for name in WAKE_VARIABLES}
         index = range(self.frames)[index]
-        group = self.file["wake"]
-        ends = np.cumsum(group["count"][: index + 1], dtype=np.int64)
-        first = 0 if index == 0 else int(ends[-2])
-        return {name: group[name][first : int(ends[-1])] for name in WAKE_VARIABLES}
+        if not len(self._wake_ends):
+            self._wake_ends = np.cumsum(self.file["wake/count"][: self.frames], dtype=np.int64)
+        first = 0 if index == 0 else int(self._wake_ends[index - 1])
+        last = int(self._wake_ends[index])
+        return {name: self._dataset(f"wake/{name}")[first:last] for name in WAKE_VARIABLES}
+
+    def refresh(self) -> None:
+        """Look again at a file that is still being written, or that has got its final name since.
+
+        Raises:
+            ResultError: when it cannot be read just now, for instance in the middle of a write; the result then
+                stays as it was.
+        """
+        if self.path is None:
+            return
+        path = self.path if self.path.exists() else self.path.with_name(self.path.name.removesuffix(PART))
+        latest = open_result(path)
+        self.file.close()
+        vars(self).update(vars(latest))
+
+    def _dataset(self, name: str) -> Any:
+        if name not in self._open:
+            self._open[name] = self.file[name]
+        return self._open[name]
 
     def to_xarray(self) -> Any:
         """The variables over time as an `xarray.Dataset` with coordinates, units and attributes.
@@ -315,7 +345,17 @@ def open_result(path: str | Path) -> Result:
 
 def part(path: Path) -> Path:
     """The name under which a file stands until it is complete."""
-    return path.with_name(f"{path.name}.part")
+    return path.with_name(path.name + PART)
+
+
+def _whole_frames(file: Any) -> int:
+    """Frames of which every variable is stored: a file may be opened in the middle of a write."""
+    frames = min([len(file["time"]), *(len(file[name]) for name in VARIABLES if name in file)])
+    if "wake" in file and file.attrs["status"] == "running":
+        frames = min(frames, len(file["wake/count"]))
+        ends = np.cumsum(file["wake/count"][:frames], dtype=np.int64)
+        frames = int(np.searchsorted(ends, len(file["wake/circulation"]), side="right"))
+    return frames
 
 
 def _check(file: Any, path: Path) -> None:
@@ -324,8 +364,8 @@ def _check(file: Any, path: Path) -> None:
         if version > FORMAT:
             raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
         parse_case(tomllib.loads(file.attrs["case"]), str(path))
-        len(file["time"])
         str(file.attrs["status"])
+        _whole_frames(file)
     except CaseError as error:
         raise ResultError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
     except (KeyError, TypeError, ValueError, OSError, RuntimeError) as error:
@@ -336,7 +376,8 @@ def _check(file: Any, path: Path) -> None:
 
 def _create(path: Path | None, overwrite: bool) -> Any:
     if path is None:
-        return h5py.File("result in memory", "w", driver="core", backing_store=False)
+        name = f"result {next(_in_memory)} in memory"  # HDF5 takes two open files of one name for the same file
+        return h5py.File(name, "w", driver="core", backing_store=False)
     if path.is_dir():
         raise ResultError(f"{path}: is a directory; name a file, for example {path / 'result.h5'}")
     if path.exists() and not overwrite:

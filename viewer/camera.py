@@ -1,0 +1,118 @@
+"""A flat view: a narrow lens from afar, straight on, that pans and zooms but does not turn."""
+
+import math
+import threading
+from collections import deque
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+Box = Sequence[float] | NDArray[np.floating]
+Point = tuple[float, float, float]
+
+FIELD_OF_VIEW = math.radians(8.0)
+"""Narrow enough to look flat: viser has no parallel projection."""
+MARGIN = 1.08
+"""What is seen over what the box takes."""
+NARROW = 0.8
+"""Width over height of a window that is held upright."""
+LEGEND_PIXELS = 250.0
+"""A wide window has this much free on the left."""
+NEAREST, FARTHEST = 3.0, 2000.0
+"""Bounds of the camera's distance, chords."""
+
+# viser offers no way to stop the camera from turning. Its page holds a camera-controls object, though: there, left
+# and right drag become TRUCK (2), one finger TOUCH_TRUCK (128), and both angles are held where they are.
+LOCK = """
+let tries = 0;
+const lock = () => {
+  const controls = window.__viserMutable && window.__viserMutable.cameraControl;
+  if (!controls) { if (tries++ < 200) setTimeout(lock, 50); return; }
+  controls.mouseButtons.left = 2;
+  controls.mouseButtons.right = 2;
+  controls.touches.one = 128;
+  controls.dollyToCursor = true;
+  controls.minPolarAngle = controls.maxPolarAngle = Math.PI / 2;
+  controls.azimuthRotateSpeed = 0;
+  controls.polarRotateSpeed = 0;
+  const angle = controls.azimuthAngle;
+  controls.minAzimuthAngle = controls.maxAzimuthAngle = angle;
+};
+lock();
+"""
+
+
+def home(box: Box, width: float, height: float) -> tuple[Point, Point]:
+    """Position of the camera and what it looks at, to see a box (left, bottom, right, top; chords) whole.
+
+    Args:
+        width, height: of the canvas, pixels.
+    """
+    left, bottom, right, top = (float(edge) for edge in box)
+    scale = MARGIN * max((top - bottom) / height, (right - left) / width)
+    distance = max(scale * height / (2.0 * math.tan(FIELD_OF_VIEW / 2.0)), NEAREST)
+    spare = max(0.0, min(width * scale - MARGIN * (right - left), LEGEND_PIXELS * scale))
+    x, z = 0.5 * (left + right - spare), 0.5 * (bottom + top)
+    if width < NARROW * height:
+        # The controls cover the lower part.
+        z = top - 0.5 * height * scale / MARGIN
+    return (x, -distance, z), (x, 0.0, z)
+
+
+def start(server: viser.ViserServer, box: Box) -> None:
+    """Give pages that are yet to open their view, so that the first picture is the right one."""
+    position, target = home(box, 1.0, 1.0)
+    camera = server.initial_camera
+    camera.fov = FIELD_OF_VIEW
+    camera.near, camera.far = 0.5, 2.0 * FARTHEST
+    camera.up = (0.0, 0.0, 1.0)
+    camera.position, camera.look_at = position, target
+
+
+class View:
+    """The camera of one browser: fitted to the window, and to its changes until somebody pans or zooms.
+
+    Args:
+        box: what the first view shows: left, bottom, right, top; chords.
+    """
+
+    def __init__(self, client: Any, box: Box) -> None:
+        self.box = box
+        self._camera = client.camera
+        self._camera.min_orbit_distance, self._camera.max_orbit_distance = NEAREST, FARTHEST
+        self._lock = threading.Lock()
+        # Those on their way to the browser too: its answers to them may yet come.
+        self._homes: deque[Any] = deque(maxlen=4)
+        self._size = (0, 0)
+        self.reset()
+        self._camera.on_update(self._refit)
+
+    def reset(self) -> None:
+        """Turn back to the first view."""
+        with self._lock:
+            self._size = self._camera.image_width, self._camera.image_height
+            position, target = home(self.box, *self._size)
+            self._homes.append(position)
+            self._camera.fov = FIELD_OF_VIEW
+            self._camera.up_direction = (0.0, 0.0, 1.0)
+            self._camera.position = np.array(position)
+            self._camera.look_at = np.array(target)
+
+    def _refit(self, seen: Any) -> None:
+        untouched = any(np.allclose(seen.position, place, rtol=1e-3, atol=1e-3) for place in self._homes)
+        if untouched and (seen.image_width, seen.image_height) != self._size:
+            self._camera = seen
+            self.reset()
+
+
+def lock_rotation(client: Any) -> bool:
+    """Keep a browser's view from turning; False if this viser has no way to."""
+    try:
+        message = viser._messages.RunJavascriptMessage(source=LOCK)
+        client._websock_connection.queue_message(message)
+    except (AttributeError, TypeError):
+        return False
+    return True

@@ -1,0 +1,161 @@
+"""Curves over time beside the scene, each with its unit and a dot at the frame that the scene shows."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from taichiflap.variables import VARIABLES
+
+from .colours import Theme, css
+from .frames import Array, Run
+from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback, beat_span
+
+POINTS = 241
+"""Most points of a curve: a chart is narrower than that."""
+HEIGHT = 106
+MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+"""Okabe and Ito's."""
+WINDOWS = (LAST_BEAT, THIS_BEAT, ALL)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A variable to plot, its title, its unit and the factor from SI to it."""
+
+    name: str
+    title: str
+    unit: str
+    factor: float
+
+
+QUANTITIES = (
+    Quantity("tip_deflection", "Tip deflection", "mm", 1e3),
+    Quantity("force_normal", "Force along the wing's normal", "mN", 1e3),
+    Quantity("force_vertical", "Vertical force", "mN", 1e3),
+    Quantity("power", "Mechanical power", "mW", 1e3),
+)
+MODES = Quantity("q", "Modal amplitudes", f"10⁻³ {VARIABLES['q'].units}", 1e3)
+
+
+class Charts:
+    """The charts of one browser.
+
+    Args:
+        gui: where to add them.
+        runs: one result, or two to compare; the first sets the times.
+    """
+
+    def __init__(self, gui: Any, runs: list[Run], theme: Theme, playback: Playback) -> None:
+        self.runs = runs
+        self.quantities = list(QUANTITIES)
+        if any(len(run.shape) > 1 for run in runs):
+            self.quantities.append(MODES)
+        self._window: tuple[int, int] | None = None
+        self._curves: dict[str, list[Array]] = {}
+        self._times: Array = np.zeros(0)
+        self._now: list[int] = []
+        self._load(playback)
+        self.handles = {
+            quantity.name: gui.add_uplot(
+                self._data(quantity, playback.frame),
+                self._series(quantity, theme),
+                title=f"{quantity.title}, {quantity.unit}",
+                scales=self._scales(quantity),
+                axes=({"size": 26, "space": 40}, {"size": 46, "space": 20}),
+                legend={"show": False},
+                height=HEIGHT,
+                padding=(4, 14, 0, 0),
+            )
+            for quantity in self.quantities
+        }
+
+    def show(self, playback: Playback, again: bool = False) -> None:
+        """Move the dots to the frame shown; `again` reads the curves anew, from a file that has grown."""
+        fresh = self._load(playback, again)
+        for quantity in self.quantities:
+            handle = self.handles[quantity.name]
+            handle.data = self._data(quantity, playback.frame)
+            if fresh:
+                handle.scales = self._scales(quantity)
+
+    def colour(self, theme: Theme) -> None:
+        """Draw in the colours of another theme."""
+        for quantity in self.quantities:
+            self.handles[quantity.name].series = self._series(quantity, theme)
+
+    def _load(self, playback: Playback, again: bool = False) -> bool:
+        """Read the curves if they are others than before; whether they are."""
+        run = self.runs[0]
+        if playback.window == ALL:
+            window = 0, run.frames - 1
+        else:
+            number = run.beats if playback.window == LAST_BEAT else run.beat_of(playback.frame)[0]
+            window = beat_span(run, number)
+        if window == self._window and not again:
+            return False
+        self._window = window
+        self._times, _ = run.series("time", *window, POINTS)
+        self._curves = {quantity.name: self._read(quantity) for quantity in self.quantities}
+        return True
+
+    def _read(self, quantity: Quantity) -> list[Array]:
+        assert self._window is not None
+        start, end = (index / self.runs[0].frames_per_beat for index in self._window)
+        curves: list[Array] = []
+        for run in self.runs:
+            if quantity.name not in run.variables:
+                continue
+            times, values = run.series(quantity.name, run.index_at(start), run.index_at(end), POINTS)
+            for curve in np.atleast_2d(values.T):
+                curves.append(quantity.factor * np.interp(self._times, times, curve, right=np.nan))
+        return curves
+
+    def _data(self, quantity: Quantity, frame: int) -> tuple[Array, ...]:
+        curves = self._curves[quantity.name]
+        now = frame / self.runs[0].frames_per_beat
+        nearest = int(np.argmin(np.abs(self._times - now))) if len(self._times) else 0
+        dots = []
+        for curve in curves:
+            dot = np.full(len(curve), np.nan)
+            if len(curve) and self._times[0] <= now + 1e-9 and now <= self._times[-1] + 1.0 / POINTS:
+                dot[nearest] = curve[nearest]
+            dots.append(dot)
+        return (self._times, *curves, *dots)
+
+    def _scales(self, quantity: Quantity) -> dict[str, Any]:
+        """Ranges of the axes: uPlot cannot find them itself among the NaN around the dots."""
+        values = np.concatenate([np.zeros(1), *self._curves[quantity.name]])
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        spare = 0.08 * (high - low) or 1.0
+        return {"x": {"time": False}, "y": {"range": (low - spare, high + spare)}}
+
+    def _series(self, quantity: Quantity, theme: Theme) -> tuple[Any, ...]:
+        colours: list[str] = []
+        for number, run in enumerate(self.runs):
+            if quantity is MODES:
+                colours += [MODE_COLOURS[k % len(MODE_COLOURS)] for k in range(len(run.shape))]
+            else:
+                colours.append(theme.runs[number])
+        lines = [{"stroke": colour, "width": 1.8, "points": {"show": False}} for colour in colours]
+        if quantity is MODES and len(self.runs) > 1:
+            for line in lines[len(self.runs[0].shape) :]:
+                line["dash"] = [5, 4]
+        ink = css(theme.ink)
+        dots = [{"stroke": ink, "points": {"show": True, "size": 8, "fill": colour}} for colour in colours]
+        return ({"label": "t/T"}, *lines, *dots)
+
+
+def caption(runs: list[Run], theme: Theme) -> str:
+    """What the lines of the charts are, as HTML."""
+    text = "Across: time in beats. The dot is the frame shown."
+    if len(runs) > 1:
+        names = " ".join(
+            f'<b style="color:{colour}">{run.label}</b>' for run, colour in zip(runs, theme.runs, strict=True)
+        )
+        text = f"{names}. {text}"
+    modes = max(len(run.shape) for run in runs)
+    if modes > 1:
+        named = " ".join(f'<span style="color:{MODE_COLOURS[k % 6]}">mode {k + 1}</span>' for k in range(modes))
+        text += f" Modal amplitudes: {named}{', the second result dashed' if len(runs) > 1 else ''}."
+    return f'<div style="font-size:11px;padding:2px 4px;line-height:1.4">{text}</div>'

@@ -1,0 +1,112 @@
+"""Colours: two themes, and maps that people with any colour vision can read.
+
+Circulation runs from blue to orange, pressure from magenta to green, both through a neutral that belongs to the
+theme, so that nothing of importance vanishes into the background.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rgb = tuple[int, int, int]
+Colours = NDArray[np.uint8]
+
+LEVELS = 256
+
+
+class Map:
+    """A colour map, given by evenly spaced `#rrggbb` stops."""
+
+    def __init__(self, *stops: str) -> None:
+        self.stops = stops
+        given = np.array([rgb(stop) for stop in stops], dtype=float)
+        levels = np.linspace(0.0, len(stops) - 1.0, LEVELS)
+        channels = [np.interp(levels, np.arange(len(stops)), given[:, c]) for c in range(3)]
+        self.table = np.round(np.stack(channels, axis=1)).astype(np.uint8)
+
+    def symmetric(self, values: NDArray[np.floating], limit: float) -> Colours:
+        """Colours of `values`, with zero in the middle and `-limit`, `limit` at the ends; shape (..., 3)."""
+        return self.between(values, -limit, limit)
+
+    def between(self, values: NDArray[np.floating], low: float, high: float) -> Colours:
+        """Colours of `values`, with `low` and `high` at the ends; shape (..., 3)."""
+        level = (np.asarray(values) - low) * ((LEVELS - 1) / max(high - low, 1e-300))
+        return self.table[np.clip(np.rint(level), 0, LEVELS - 1).astype(np.intp)]
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Colours of the scene on one background.
+
+    Attributes:
+        ink: labels, the scale bar.
+        faint: the stroke plane, the pivot's path, the undeformed chord.
+        force: the force vector.
+        load: the force along the chord.
+        velocity: velocity arrows.
+        runs: the colours of two compared results.
+    """
+
+    background: Rgb
+    ink: Rgb
+    faint: Rgb
+    force: Rgb
+    load: Rgb
+    velocity: Rgb
+    runs: tuple[str, str]
+    circulation: Map
+    pressure: Map
+    vorticity: Map
+    speed: Map
+
+
+def linear(colours: Colours) -> Colours:
+    """Colours as the corners of lines want them: viser takes those, alone, for linear light."""
+    share = colours / 255.0
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return np.round(255.0 * light).astype(np.uint8)
+
+
+def rgb(colour: str) -> Rgb:
+    """`#rrggbb` as three numbers up to 255."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def css(colour: Rgb) -> str:
+    """Three numbers up to 255 as `#rrggbb`."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+LIGHT = Theme(
+    background=(255, 255, 255),
+    ink=(40, 44, 52),
+    faint=(170, 176, 186),
+    force=(200, 30, 45),
+    load=(14, 128, 112),
+    velocity=(95, 103, 117),
+    runs=("#0b62a8", "#c4520c"),
+    circulation=Map("#08306b", "#2f7fc1", "#dde1e6", "#e07b2f", "#7f2704"),
+    pressure=Map("#c2148a", "#2a2a2e", "#2c9a1f"),
+    vorticity=Map("#5b9bd3", "#b9d5ec", "#ffffff", "#f3cfb0", "#e39a5f"),
+    speed=Map("#ffffff", "#d5e4e8", "#93bfc9", "#4a8c9c", "#1d5566"),
+)
+
+DARK = Theme(
+    background=(20, 20, 20),
+    ink=(226, 230, 236),
+    faint=(98, 104, 114),
+    force=(255, 92, 105),
+    load=(70, 205, 185),
+    velocity=(168, 176, 190),
+    runs=("#56b4ff", "#ff9a4d"),
+    circulation=Map("#a8dcff", "#3d95dc", "#3c4148", "#e5822f", "#ffd3a3"),
+    pressure=Map("#ff6fd0", "#f4f4f6", "#7fe05a"),
+    vorticity=Map("#2f78b3", "#1e4260", "#141414", "#593a20", "#ab6327"),
+    speed=Map("#141414", "#1d333a", "#2c6170", "#5ba3b3", "#c4ecf2"),
+)
+
+
+def theme(dark: bool) -> Theme:
+    """The colours for a dark or a light background."""
+    return DARK if dark else LIGHT

@@ -1,0 +1,87 @@
+"""What differs between two results: means, peaks and phase over their settled beats."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+
+from taichiflap.metrics import Summary
+
+from .colours import Theme
+from .frames import Run
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A quantity of two results. `relative` is the second's excess in percent, or None for angles and times."""
+
+    name: str
+    unit: str
+    first: float
+    second: float
+    relative: float | None
+
+    @property
+    def change(self) -> str:
+        """The second less the first."""
+        if self.relative is None:
+            return f"{self.second - self.first:+.3g}"
+        return f"{self.relative:+.1f} %"
+
+
+def differences(first: Run, second: Run) -> list[Difference]:
+    """Differences of two results over their settled beats; none while one of them has no whole beat."""
+    a, b = first.summary(), second.summary()
+    if a is None or b is None:
+        return []
+    return list(_compared(a, b))
+
+
+def _compared(a: Summary, b: Summary) -> Iterator[Difference]:
+    for name, unit, attribute in (
+        ("vertical force, mean", "mN", "force_vertical"),
+        ("normal force, peak", "mN", "force_normal_peak"),
+        ("tip deflection, peak", "mm", "tip_peak"),
+        ("power, mean", "mW", "power"),
+    ):
+        one, other = (1e3 * getattr(summary, attribute).mean for summary in (a, b))
+        yield Difference(name, unit, one, other, 100.0 * (other - one) / abs(one) if one else None)
+    if a.force_normal_phase is not None and b.force_normal_phase is not None:
+        one, other = a.force_normal_phase, b.force_normal_phase
+        # The short way round.
+        yield Difference("normal force, phase", "deg", one, one + (other - one + 180.0) % 360.0 - 180.0, None)
+    if a.tip_peak.mean and b.tip_peak.mean:
+        one, other = a.tip_peak_after_reversal, b.tip_peak_after_reversal
+        if one is not None and other is not None:
+            yield Difference("tip peak, after reversal", "T", one, other, None)
+        else:
+            yield Difference("tip peak, at t/T", "T", a.tip_peak_time, b.tip_peak_time, None)
+
+
+def text(first: Run, second: Run) -> Iterator[str]:
+    """The differences as lines for a terminal."""
+    yield f"A = {first.label}: {first.title}"
+    yield f"B = {second.label}: {second.title}"
+    found = differences(first, second)
+    if not found:
+        yield "no whole beat in both yet: no differences"
+        return
+    yield f"{'':<28}{'A':>10}{'B':>10}  {'B against A'}"
+    for one in found:
+        yield f"{one.name + ', ' + one.unit:<28}{one.first:>10.4g}{one.second:>10.4g}  {one.change}"
+
+
+def table(first: Run, second: Run, theme: Theme) -> str:
+    """The differences as an HTML table."""
+    rows = "".join(
+        f"<tr><td>{one.name.capitalize()}, {one.unit}</td>"
+        f"<td>{one.first:.3g}</td><td>{one.second:.3g}</td><td>{one.change}</td></tr>"
+        for one in differences(first, second)
+    )
+    heads = "".join(
+        f'<th style="color:{colour};text-align:left">{escape(run.label)}</th>'
+        for run, colour in zip((first, second), theme.runs, strict=True)
+    )
+    return (
+        f'<div data-differences style="font-size:11px;padding:0 4px 6px"><table style="width:100%">'
+        f"<tr><th></th>{heads}<th></th></tr>{rows}</table></div>"
+    )

@@ -1,0 +1,141 @@
+"""The flow around the wing: vorticity or speed as a picture, velocity as arrows.
+
+The velocity is that of the solver's own vortices by the solver's own sum, with a core wide enough for the eye:
+a point vortex alone would be a needle. Vorticity is the curl of that same velocity.
+"""
+
+import threading
+from collections import OrderedDict
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .colours import Map, Theme
+from .frames import Array, Frame, Run
+from .scene import ARROWS, arrows
+
+NONE, VORTICITY, SPEED = BACKGROUNDS = ("none", "vorticity", "speed")
+CORE = 0.08
+"""Least radius over which a vortex is spread for the picture, chords."""
+ACROSS = 256
+"""Points along the longer side of the picture."""
+SPACING = 11
+"""Points from one velocity arrow to the next."""
+MARGIN, ASIDE = 0.4, 1.8
+"""The picture reaches so far beyond the first view, above and below it and beside it, chords."""
+REACH = 0.3
+"""Length of a velocity arrow of full range, chords."""
+KEPT = 64
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The flow on a grid: corners (left, bottom, right, top) in chords, velocity in m/s, vorticity in 1/s."""
+
+    box: Array
+    velocity: Array
+    vorticity: Array
+
+    def picture(self, kind: str, theme: Theme, limits: tuple[float, float]) -> NDArray[np.uint8]:
+        """The picture (row, column, 3), top row first; `limits` are those of vorticity and speed."""
+        if kind == VORTICITY:
+            return theme.vorticity.symmetric(self.vorticity[::-1], limits[0])
+        return theme.speed.between(np.hypot(*self.velocity)[::-1], 0.0, limits[1])
+
+    def arrows(self, speed: float) -> NDArray[np.float32]:
+        """Velocity arrows as line segments (n, 2, 3)."""
+        rows, columns = (np.arange(SPACING // 2, count, SPACING) for count in self.vorticity.shape)
+        picked = np.ix_(rows, columns)
+        right, up = np.meshgrid(*_axes(self.box, self.vorticity.shape))
+        tails = np.stack((right[picked].ravel(), up[picked].ravel()), axis=1)
+        vectors = np.stack([component[picked].ravel() for component in self.velocity], axis=1) * (REACH / speed)
+        length = np.linalg.norm(vectors, axis=1, keepdims=True)
+        vectors *= np.minimum(1.0, 2.0 * REACH / np.maximum(length, 1e-12))
+        return arrows(tails, vectors, ARROWS, 0.07)
+
+
+class Fields:
+    """The flow of a result's frames, computed once for all browsers, away from their thread.
+
+    All of Taichi's work is done by one thread of its own, which it wants.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        left, bottom, right, top = run.box
+        self.box = np.array([left - ASIDE, bottom - MARGIN, right + ASIDE, top + MARGIN])
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="field")
+        self._lock = threading.Lock()
+        self._flows: OrderedDict[int, Future[Flow]] = OrderedDict()
+        self._limits: tuple[float, float] | None = None
+
+    def ask(self, index: int) -> "Future[Flow]":
+        """The flow of a frame, at once or as soon as it is computed."""
+        with self._lock:
+            if index not in self._flows:
+                self._flows[index] = self._worker.submit(self._compute, index)
+                while len(self._flows) > KEPT:
+                    self._flows.popitem(last=False)
+            self._flows.move_to_end(index)
+            return self._flows[index]
+
+    def limits(self, flow: Flow) -> tuple[float, float]:
+        """Ranges of vorticity and speed: those of the first flow looked at, for good."""
+        if self._limits is None:
+            spin = np.percentile(np.abs(flow.vorticity), 99.0)
+            speed = np.percentile(np.hypot(*flow.velocity), 99.5)
+            self._limits = _two_digits(float(spin)), _two_digits(float(speed))
+        return self._limits
+
+    def close(self) -> None:
+        """Let the thread go."""
+        self._worker.shutdown(wait=True, cancel_futures=True)
+
+    def _compute(self, index: int) -> Flow:
+        from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - Taichi takes a second to start
+
+        run, frame = self.run, self.run.frame(index)
+        width, height = self.box[2:] - self.box[:2]
+        finest = max(width, height) / ACROSS
+        shape = max(2, round(height / finest)), max(2, round(width / finest))
+        right, up = np.meshgrid(*_axes(self.box, shape))
+        core = max(CORE, run.case.uvlm.core) * run.chord
+        found = induced_velocity(np.stack((-up, right)) * run.chord, vortices(frame, run.chord), core)
+        stream_y, stream_z = run.case.fluid.velocity
+        velocity = np.stack((found[1] + stream_z, -(found[0] + stream_y)))
+        step = finest * run.chord
+        # (right, up) is (Y, Z) turned by a quarter, so the curl keeps its sign.
+        vorticity = np.gradient(velocity[1], step, axis=1) - np.gradient(velocity[0], step, axis=0)
+        return Flow(self.box, velocity, vorticity)
+
+
+def vortices(frame: Frame, chord: float) -> Array:
+    """Y, Z (m) and circulation (m2/s) of a frame's bound and wake vortices, shape (3, vortex)."""
+    bound = frame.nodes[:-1] + 0.25 * np.diff(frame.nodes, axis=0)
+    places = np.concatenate((bound, frame.wake)) * chord
+    return np.stack((-places[:, 1], places[:, 0], np.concatenate((frame.bound, frame.circulation))))
+
+
+def scale(kind: str, theme: Theme, limits: tuple[float, float]) -> tuple[str, Map, float, float, str] | None:
+    """What the legend says about a background."""
+    if kind == VORTICITY:
+        return "Background: vorticity", theme.vorticity, -limits[0], limits[0], "1/s"
+    if kind == SPEED:
+        return "Background: speed of the air", theme.speed, 0.0, limits[1], "m/s"
+    return None
+
+
+def _axes(box: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Middles of the picture's columns and rows, chords."""
+    left, bottom, right, top = box
+    rows, columns = shape
+    return (
+        left + (np.arange(columns) + 0.5) * (right - left) / columns,
+        bottom + (np.arange(rows) + 0.5) * (top - bottom) / rows,
+    )
+
+
+def _two_digits(value: float) -> float:
+    return float(f"{max(value, 1e-12):.1e}")

@@ -1,0 +1,270 @@
+"""A result as the scene needs it: one frame at a time, in chords, with sideways to the right and lift upwards.
+
+Nothing else of the viewer touches the file. Frames are kept in a small cache that all browsers share.
+"""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taichiflap import Result, motion
+from taichiflap.metrics import Summary, summarise
+from taichiflap.results import ResultError
+
+Array = NDArray[np.floating]
+
+CACHE_BYTES = 2**25
+SAMPLES = 12
+"""Frames looked at to choose the ranges of colours and the first view."""
+ARROW_ROOM = 0.9
+"""Free beside and below a wing without a wake, chords: its arrows are what there is to see."""
+HEADROOM = 0.55
+"""Free above the wing in the first view, chords."""
+VIEW_CHORDS = 4.0
+"""The first view reaches at most so far from where the wing flies."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame. Positions in chords on the screen: (right, up) = (Z, -Y) / chord.
+
+    Attributes:
+        index: number of the frame.
+        beats: time, in flapping periods.
+        nodes: the deformed wing, leading to trailing edge, shape (node, 2).
+        chord: both ends of the undeformed chord, shape (2, 2).
+        axes: unit vectors of the wing frame: chordwise and normal, shape (2, 2).
+        pressure, shear: force of the fluid per area along e_z and along e_y, Pa, shape (panel,).
+        force: force of the fluid on the wing, N, shape (2,).
+        velocity: velocity of the nodes relative to the free stream, m/s, shape (node, 2).
+        wake: positions of the wake vortices, oldest first, shape (vortex, 2).
+        circulation: of the wake vortices, m2/s.
+        bound: circulation of the bound vortices, m2/s; empty without a vortex model.
+    """
+
+    index: int
+    beats: float
+    nodes: Array
+    chord: Array
+    axes: Array
+    pressure: Array
+    shear: Array
+    force: Array
+    velocity: Array
+    wake: Array
+    circulation: Array
+    bound: Array
+
+    @property
+    def size(self) -> int:
+        """Bytes held."""
+        return sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """What colours and arrows are scaled by: a circulation (m2/s), a pressure (Pa), a force (N), a speed (m/s)."""
+
+    circulation: float
+    pressure: float
+    force: float
+    speed: float
+
+
+class Run:
+    """A result file, complete or growing, that many browsers look at.
+
+    Args:
+        result: the open result; the run closes it.
+        label: what to call it beside another.
+    """
+
+    def __init__(self, result: Result, label: str) -> None:
+        self.result = result
+        self.label = label
+        self.case = result.case
+        self.chord = self.case.wing.chord
+        self.title = self.case.title or label
+        self.frames_per_beat = self.case.time.steps_per_period / self.case.output.every
+        self._lock = threading.RLock()
+        self._cache: OrderedDict[int, Frame] = OrderedDict()
+        self._held = 0
+        if not result.frames:
+            raise ResultError(f"{result.path}: holds no frame yet")
+        self._load()
+
+    def _load(self) -> None:
+        self.frames = self.result.frames
+        self.status = self.result.status
+        self.has_wake = "wake" in self.result.file
+        self.variables = self.result.variables
+        self.shape = self.result.modes.get("shape", np.zeros((0, len(self.result.file["node"]))))
+        self.station = self.result.file["node"][...]
+        self.ranges, self.box = self._survey()
+
+    @property
+    def live(self) -> bool:
+        """Whether more frames may come."""
+        return self.status == "running"
+
+    @property
+    def beats(self) -> int:
+        """Number of whole beats; at least one."""
+        return max(1, int(round((self.frames - 1) / self.frames_per_beat, 9)))
+
+    def refresh(self) -> bool:
+        """Look for new frames; whether there is any news. A file in the middle of a write is left for later."""
+        with self._lock:
+            before = self.frames, self.status
+            try:
+                self.result.refresh()
+                if (self.result.frames, self.result.status) == before:
+                    return False
+                self._load()
+            except (ResultError, OSError, RuntimeError, KeyError):
+                return False
+            return True
+
+    def close(self) -> None:
+        """Close the file."""
+        with self._lock:
+            self.result.close()
+
+    def beat_of(self, index: int) -> tuple[int, float]:
+        """Number of the beat of a frame, from 1, and t/T within it; a run's very end belongs to its last beat."""
+        passed = round(index / self.frames_per_beat, 9)
+        number = min(int(passed), self.beats - 1) if index == self.frames - 1 else int(passed)
+        return number + 1, passed - number
+
+    def index_at(self, beats: float) -> int:
+        """The frame nearest to a time in beats."""
+        return min(max(round(beats * self.frames_per_beat), 0), self.frames - 1)
+
+    def reversals(self) -> Iterator[int]:
+        """Frames of the stroke reversals, in order; none if the wing does not plunge."""
+        plunge = self.case.motion.plunge
+        if not plunge.amplitude:
+            return
+        beats = (0.25 - plunge.phase_deg / 360.0) % 0.5
+        while (index := round(beats * self.frames_per_beat)) < self.frames:
+            yield index
+            beats += 0.5
+
+    def half_stroke(self, index: int) -> str:
+        """Which way the wing moves at a frame; nothing if it does not plunge."""
+        plunge = self.case.motion.plunge
+        if not plunge.amplitude:
+            return ""
+        angle = (index / self.frames_per_beat + plunge.phase_deg / 360.0) % 1.0
+        return "half-stroke to the right" if angle < 0.25 or angle >= 0.75 else "half-stroke to the left"
+
+    def frame(self, index: int) -> Frame:
+        """A frame, from the cache if it was shown lately.
+
+        Raises:
+            OSError: when a file that is being written cannot be read just now.
+        """
+        with self._lock:
+            index = min(max(index, 0), self.frames - 1)
+            if index in self._cache:
+                self._cache.move_to_end(index)
+                return self._cache[index]
+            frame = self._read(index)
+            self._cache[index] = frame
+            self._held += frame.size
+            while self._held > CACHE_BYTES and len(self._cache) > 1:
+                self._held -= self._cache.popitem(last=False)[1].size
+            return frame
+
+    def series(self, name: str, first: int, last: int, most: int) -> tuple[Array, Array]:
+        """Times (beats) and values, in SI units, of at most `most` frames from `first` to `last`, evenly picked."""
+        stride = max(1, -(-(last - first) // (most - 1)))
+        with self._lock:
+            values = self.result.file[name][first : last + 1 : stride]
+        return (first + stride * np.arange(len(values))) / self.frames_per_beat, values
+
+    def summary(self) -> Summary | None:
+        """Means, peaks and phases over the settled beats; None while there is no whole beat."""
+        with self._lock:
+            return summarise(self.result)
+
+    def _read(self, index: int) -> Frame:
+        result, scale = self.result, 1.0 / self.chord
+        now = motion.sample(self.case.motion, np.array([self.case.step * self.case.output.every * index]))[0]
+        plunge, plunge_rate, pitch, pitch_rate = now[
+            [motion.PLUNGE, motion.PLUNGE_RATE, motion.PITCH, motion.PITCH_RATE]
+        ]
+        along = np.array([np.sin(pitch), -np.cos(pitch)])
+        across = np.array([np.cos(pitch), np.sin(pitch)])
+        pivot = np.array([plunge * scale, 0.0])
+        deflection = result.frame("q", index) @ self.shape if len(self.shape) else np.zeros(len(self.station))
+        rate = result.frame("q_rate", index) @ self.shape if len(self.shape) else np.zeros(len(self.station))
+        stream_y, stream_z = self.case.fluid.velocity
+        velocity = (
+            np.array([plunge_rate - stream_z, stream_y])
+            - np.outer(deflection * pitch_rate, along)
+            + np.outer(self.station * pitch_rate + rate, across)
+        )
+        nodes = result.frame("node_position", index)
+        wake = result.wake(index)
+        return Frame(
+            index=index,
+            beats=index / self.frames_per_beat,
+            nodes=_on_screen(nodes[:, 0], nodes[:, 1], scale),
+            chord=np.stack((pivot, pivot + along)),
+            axes=np.stack((along, across)),
+            pressure=result.frame("pressure_jump", index),
+            shear=self._field("shear", index),
+            force=np.array([result.frame("force_z", index), -result.frame("force_y", index)]),
+            velocity=velocity,
+            wake=_on_screen(wake["y"], wake["z"], scale),
+            circulation=wake["circulation"],
+            bound=self._field("panel_circulation", index),
+        )
+
+    def _field(self, name: str, index: int) -> Array:
+        return self.result.frame(name, index) if name in self.variables else np.zeros(0, dtype=np.float32)
+
+    def _survey(self) -> tuple[Ranges, Array]:
+        """Ranges, and the box (left, bottom, right, top; chords) of the first view, from samples of the last beat."""
+        first = max(0, round(self.frames - 1 - self.frames_per_beat))
+        picked = np.unique(np.linspace(first, self.frames - 1, SAMPLES).astype(int))
+        frames = [self._read(int(index)) for index in picked]
+        ranges = Ranges(
+            circulation=_nice(_percentile([frame.circulation for frame in frames], 97)),
+            pressure=_nice(_percentile([frame.pressure for frame in frames], 95)),
+            force=_nice(max(float(np.linalg.norm(frame.force)) for frame in frames)),
+            speed=_nice(max(float(np.linalg.norm(frame.velocity, axis=1).max()) for frame in frames)),
+        )
+        wing = np.concatenate([frame.nodes for frame in frames])
+        low, high = wing.min(axis=0), wing.max(axis=0)
+        wake = np.concatenate([frame.wake for frame in frames])
+        if len(wake):
+            low = np.minimum(low, np.maximum(np.percentile(wake, 2, axis=0), low - VIEW_CHORDS))
+            high = np.maximum(high, np.minimum(np.percentile(wake, 98, axis=0), high + VIEW_CHORDS))
+        else:
+            low, high = low - ARROW_ROOM, high + ARROW_ROOM * np.array([1.0, 0.0])
+        # Above: room for the line that tells the time.
+        return ranges, np.concatenate((low, high + np.array([0.0, HEADROOM])))
+
+
+def _on_screen(y: Array, z: Array, scale: float) -> Array:
+    return np.stack((z * scale, -y * scale), axis=1)
+
+
+def _percentile(arrays: list[Array], share: float) -> float:
+    values = np.abs(np.concatenate(arrays))
+    return float(np.percentile(values, share)) if len(values) else 0.0
+
+
+def _nice(value: float) -> float:
+    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten; 1 for nothing at all."""
+    if not value > 0.0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+    return float(power * next(step for step in steps if step >= value / power - 1e-9))

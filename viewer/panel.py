@@ -1,0 +1,119 @@
+"""One browser's buttons and sliders. They only call the session, and show what it tells them."""
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from .charts import WINDOWS
+from .field import BACKGROUNDS, NONE
+from .frames import Run
+from .scene import LAYERS
+from .timeline import LOOPS, SPEEDS, Playback
+
+WIDTH = 250
+CHART_WIDTH = 290
+LEGEND_WIDTH = 224
+
+BACK, ON, REVERSAL_BACK, REVERSAL_ON = "‹ back", "on ›", "« last", "next »"
+
+
+class Panel:
+    """The controls.
+
+    Args:
+        client: the browser.
+        run: the result whose frames the slider counts.
+        playback: what the controls show at first.
+        act: called with the name of what was touched and its new value.
+    """
+
+    def __init__(self, client: Any, run: Run, playback: Playback, act: Callable[[str, Any], None]) -> None:
+        self._act = act
+        self._run = run
+        gui = client.gui
+        gui.main_panel.dock_left()
+        gui.main_panel.set_width(WIDTH)
+        self.time = gui.add_html("")
+        with gui.add_folder("Timeline"):
+            self.play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
+            self.play.on_click(lambda _: act("play", None))
+            self.frame = gui.add_slider("Frame", 0, max(run.frames - 1, 1), 1, playback.frame)
+            self._listen(self.frame, "frame")
+            for name, pair in (("One frame", (BACK, ON)), ("Reversal", (REVERSAL_BACK, REVERSAL_ON))):
+                group = gui.add_button_group(name, pair)
+                group.on_click(lambda event: act("step", event.target.value))
+            self.beat = gui.add_number("Beat", run.beats, min=1, max=run.beats, step=1)
+            self._listen(self.beat, "beat")
+            self.loop = gui.add_dropdown("Loop", LOOPS, initial_value=playback.loop)
+            self._listen(self.loop, "loop")
+            speed = next(name for name, value in SPEEDS.items() if value == playback.speed)
+            self.speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value=speed)
+            self._listen(self.speed, "speed")
+            self.follow = gui.add_checkbox(
+                "Follow the computation", playback.follow, visible=run.live, hint="show the newest frame as it comes"
+            )
+            self._listen(self.follow, "follow")
+        with gui.add_folder("Scene"):
+            reset = gui.add_button("Reset view", icon=viser.Icon.FOCUS_CENTERED)
+            reset.on_click(lambda _: act("reset", None))
+            self.background = gui.add_dropdown("Background", BACKGROUNDS, initial_value=playback.background)
+            if not run.has_wake:
+                self.background.disabled = True
+                self.background.hint = "blade elements know no flow around the wing"
+            self._listen(self.background, "background")
+            self.layers = {}
+            for name, (title, hint) in LAYERS.items():
+                missing = name == "wake" and not run.has_wake
+                self.layers[name] = gui.add_checkbox(title, playback.layers[name], disabled=missing, hint=hint)
+                self._listen(self.layers[name], name)
+            self.dark = gui.add_checkbox("Dark", playback.dark)
+            self._listen(self.dark, "dark")
+        self._legend_panel = gui.add_panel()
+        with self._legend_panel.add_tab("Legend"):
+            self.legend = gui.add_html("")
+        self._legend_panel.float(x=12, y=-12, width=LEGEND_WIDTH)
+        chart_panel = gui.add_panel()
+        self.chart_tab = chart_panel.add_tab("Charts")
+        with self.chart_tab:
+            self.window = gui.add_dropdown("Show", WINDOWS, initial_value=playback.window)
+            self._listen(self.window, "window")
+            self.differences = gui.add_html("", visible=False)
+            self.caption = gui.add_html("")
+        chart_panel.dock_right()
+        chart_panel.set_width(CHART_WIDTH)
+
+    def _listen(self, handle: Any, name: str) -> None:
+        @handle.on_update
+        def _(event: Any) -> None:
+            # What the server sets comes back without a client.
+            if event.client is not None:
+                self._act(name, event.target.value)
+
+    def show(self, playback: Playback) -> None:
+        """Show where playback is."""
+        if self.frame.value != playback.frame:
+            self.frame.value = playback.frame
+        self._mark(playback)
+
+    def _mark(self, playback: Playback) -> None:
+        label = "Pause" if playback.playing else "Play"
+        if self.play.label != label:
+            self.play.label = label
+            self.play.icon = viser.Icon.PLAYER_PAUSE if playback.playing else viser.Icon.PLAYER_PLAY
+        if self.follow.value != playback.follow:
+            self.follow.value = playback.follow
+        beat = self._run.beat_of(playback.frame)[0]
+        if self.beat.value != beat:
+            self.beat.value = beat
+
+    def grow(self) -> None:
+        """Let the slider reach the newest frame."""
+        self.frame.max = max(self._run.frames - 1, 1)
+        self.beat.max = self._run.beats + 1
+        if not self._run.live:
+            self.follow.visible = False
+
+    def clear_background(self) -> None:
+        """Show that there is no background."""
+        self.background.value = NONE

@@ -1,0 +1,235 @@
+"""One browser's scene: the wing, its wake and what acts on it, drawn flat.
+
+The scene's x is to the right (+Z of the model) and its z upwards (-Y), in chords; its y only orders the layers.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .colours import Rgb, Theme, linear, rgb
+from .frames import Array, Frame, Run
+
+FIELD, ARROWS, PLANE, WAKE, GHOST, LOAD, WING, FORCE = 0.05, 0.045, 0.04, 0.03, -0.01, -0.02, -0.03, -0.04
+"""Depth of each layer, chords away from the viewer."""
+WAKE_DEPTH = 0.02
+"""Strong vortices lie so far above weak ones."""
+
+STATIONS = 13
+"""Points along the chord at which velocity and load are drawn."""
+FORCE_CHORDS, VELOCITY_CHORDS, LOAD_CHORDS = 1.0, 0.5, 0.5
+"""Length of an arrow of full range."""
+
+LAYERS = {
+    "wake": ("Wake", "the vortices that the wing has shed"),
+    "ghost": ("Undeformed", "where the chord would be, were the wing rigid"),
+    "stroke": ("Stroke plane", "and the path of the pivot in it"),
+    "force": ("Force", "the fluid's force on the whole wing"),
+    "velocity": ("Velocity", "of points of the wing, through the air"),
+    "load": ("Local force", "the fluid's force along the chord"),
+}
+"""Title of each layer, and what it is."""
+
+
+def default_layers(run: Run) -> dict[str, bool]:
+    """Which layers are shown at first: the details of a blade element are all that it has."""
+    wake = run.has_wake
+    return {"wake": wake, "ghost": True, "stroke": True, "force": True, "velocity": not wake, "load": not wake}
+
+
+def place(points: Array, depth: float | Array) -> NDArray[np.float32]:
+    """Points (..., 2) on the screen as points of the scene."""
+    placed = np.empty((*points.shape[:-1], 3), dtype=np.float32)
+    placed[..., 0], placed[..., 1], placed[..., 2] = points[..., 0], depth, points[..., 1]
+    return placed
+
+
+def polyline(points: Array, depth: float) -> NDArray[np.float32]:
+    """Line segments (n, 2, 3) through points (n + 1, 2)."""
+    return place(np.stack((points[:-1], points[1:]), axis=1), depth)
+
+
+def arrows(tails: Array, vectors: Array, depth: float, head: float) -> NDArray[np.float32]:
+    """Line segments (3 n, 2, 3) that draw arrows; a head is `head` chords long, or a third of a short arrow."""
+    tips = tails + vectors
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    along = vectors / np.maximum(length, 1e-12) * np.minimum(head, length / 3.0)
+    aside = 0.5 * np.stack((-along[..., 1], along[..., 0]), axis=-1)
+    lines = [(tails, tips), (tips, tips - along + aside), (tips, tips - along - aside)]
+    return place(np.stack([np.stack(line, axis=1) for line in lines], axis=1).reshape(-1, 2, 2), depth)
+
+
+def wing_colours(frame: Frame, run: Run, theme: Theme) -> NDArray[np.uint8]:
+    """Colours (n, 2, 3) of the wing's segments, by pressure jump."""
+    colours = theme.pressure.symmetric(frame.pressure, run.ranges.pressure)
+    return np.repeat(linear(colours)[:, None], 2, axis=1)
+
+
+def wake_points(frame: Frame, limit: float) -> NDArray[np.float32]:
+    """Points (n, 3) of the wake's vortices, the strong above the weak."""
+    strength = np.minimum(np.abs(frame.circulation) / limit, 1.0)
+    return place(frame.wake, WAKE - WAKE_DEPTH * strength)
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one of the results in a scene is told from the other.
+
+    Attributes:
+        prefix: in front of the names of its layers.
+        colour: of its wing; None to show the pressure instead.
+        shape: of its vortices.
+    """
+
+    prefix: str
+    colour: Rgb | None
+    shape: str
+
+
+def looks(count: int, theme: Theme) -> list[Look]:
+    """The looks of one result or of two."""
+    if count == 1:
+        return [Look("", None, "circle")]
+    first, second = (rgb(colour) for colour in theme.runs)
+    return [Look("", first, "circle"), Look("/second", second, "diamond")]
+
+
+class Actor:
+    """The layers of one result in one browser: built once, moved from frame to frame."""
+
+    def __init__(self, scene: Any, run: Run, look: Look, theme: Theme, limit: float) -> None:
+        self.run, self.look, self.theme, self.limit = run, look, theme, limit
+        frame = run.frame(0)
+        lines, colour = scene.add_line_segments, look.colour
+        faint = theme.faint if colour is None else colour
+        screen = {"thickness_units": "screen"}
+        name = look.prefix
+        self.wing = lines(f"{name}/wing", self._wing(frame), self._wing_colours(frame), thickness=7.0, **screen)
+        self.layers = {
+            "ghost": lines(f"{name}/ghost", polyline(frame.chord, GHOST), faint, thickness=2.0, **screen),
+            "force": lines(f"{name}/force", self._force(frame), colour or theme.force, thickness=3.0, **screen),
+            "velocity": lines(
+                f"{name}/velocity", self._velocity(frame), colour or theme.velocity, thickness=1.5, **screen
+            ),
+            "load": lines(f"{name}/load", self._load(frame), colour or theme.load, thickness=1.5, **screen),
+        }
+        if run.has_wake:
+            self.layers["wake"] = scene.add_point_cloud(
+                f"{name}/wake",
+                np.zeros((1, 3), dtype=np.float32),
+                np.zeros((1, 3), dtype=np.uint8),
+                point_size=0.033 if look.shape == "circle" else 0.038,
+                point_shape=look.shape,
+                point_shading="flat",
+                precision="float32",
+            )
+
+    def show(self, index: int, shown: dict[str, bool]) -> Frame:
+        """Move to a frame; layers that are not shown are not sent."""
+        frame = self.run.frame(index)
+        self.wing.points, self.wing.colors = self._wing(frame), self._wing_colours(frame)
+        shapes = {"force": self._force, "velocity": self._velocity, "load": self._load}
+        for name, handle in self.layers.items():
+            visible = shown[name] and (name != "wake" or len(frame.wake) > 0)
+            if visible and name == "wake":
+                handle.points = wake_points(frame, self.limit)
+                handle.colors = self.theme.circulation.symmetric(frame.circulation, self.limit)
+            elif visible and name == "ghost":
+                handle.points = polyline(frame.chord, GHOST)
+            elif visible:
+                handle.points = shapes[name](frame)
+            if handle.visible != visible:
+                handle.visible = visible
+        return frame
+
+    def _wing(self, frame: Frame) -> NDArray[np.float32]:
+        return polyline(frame.nodes, WING)
+
+    def _wing_colours(self, frame: Frame) -> NDArray[np.uint8]:
+        if self.look.colour is None:
+            return wing_colours(frame, self.run, self.theme)
+        colour = linear(np.array(self.look.colour, dtype=np.uint8))
+        return np.full((len(frame.pressure), 2, 3), colour)
+
+    def _force(self, frame: Frame) -> NDArray[np.float32]:
+        middle = frame.nodes[len(frame.nodes) // 2]
+        return arrows(middle[None], frame.force[None] * (FORCE_CHORDS / self.run.ranges.force), FORCE, 0.12)
+
+    def _velocity(self, frame: Frame) -> NDArray[np.float32]:
+        picked = _stations(len(frame.nodes))
+        vectors = frame.velocity[picked] * (VELOCITY_CHORDS / self.run.ranges.speed)
+        return arrows(frame.nodes[picked], vectors, LOAD, 0.05)
+
+    def _load(self, frame: Frame) -> NDArray[np.float32]:
+        picked = _stations(len(frame.pressure))
+        middles = 0.5 * (frame.nodes[:-1] + frame.nodes[1:])
+        along, across = frame.axes
+        load = np.outer(frame.pressure, across)
+        if len(frame.shear):
+            load = load + np.outer(frame.shear, along)
+        return arrows(middles[picked], load[picked] * (LOAD_CHORDS / self.run.ranges.pressure), LOAD, 0.05)
+
+
+def circulation_limit(runs: list[Run]) -> float:
+    """The circulation (m2/s) at the ends of the colour map: one for all results."""
+    return max((run.ranges.circulation for run in runs if run.has_wake), default=1.0)
+
+
+def set_up(scene: Any, runs: list[Run], theme: Theme) -> tuple["Stage", list[Actor]]:
+    """Build the scene of one result, or of two over each other."""
+    limit = circulation_limit(runs)
+    shown = zip(runs, looks(len(runs), theme), strict=True)
+    return Stage(scene, runs[0], theme), [Actor(scene, run, look, theme, limit) for run, look in shown]
+
+
+def _stations(count: int) -> NDArray[np.intp]:
+    return np.unique(np.linspace(0, count - 1, min(STATIONS, count)).round().astype(int))
+
+
+class Stage:
+    """What does not move: the stroke plane, the pivot's path, the scale bar; and the line that tells the time."""
+
+    def __init__(self, scene: Any, run: Run, theme: Theme) -> None:
+        reach = run.case.motion.plunge.amplitude / run.chord
+        wide = max(reach, 0.5) + 0.35
+        dashes = np.arange(-wide, wide, 0.1)
+        plane = np.stack((dashes, np.zeros_like(dashes)), axis=1)
+        screen = {"thickness_units": "screen"}
+        ends = np.array([[-reach, 0.0], [reach, 0.0]])
+        ticks = np.concatenate([polyline(end + np.array([[0.0, -0.06], [0.0, 0.06]]), PLANE) for end in ends])
+        self.stroke = [
+            scene.add_line_segments(
+                "/stroke/plane", place(np.stack((plane, plane + np.array([0.05, 0.0])), axis=1), PLANE), theme.faint,
+                thickness=1.5, **screen,
+            ),
+            scene.add_line_segments(
+                "/stroke/pivot", np.concatenate((polyline(ends, PLANE - 0.005), ticks)), theme.faint,
+                thickness=2.5, **screen,
+            ),
+            scene.add_label(
+                "/stroke/label", "stroke plane", position=(wide, PLANE, 0.05), anchor="bottom-right",
+                font_screen_scale=0.9,
+            ),
+        ]  # fmt: skip
+        left, bottom, right, top = (float(edge) for edge in run.box)
+        bar = np.array([[right - 1.0, bottom + 0.1], [right, bottom + 0.1]])
+        ends = np.concatenate([polyline(end + np.array([[0.0, -0.05], [0.0, 0.05]]), FORCE) for end in bar])
+        scene.add_line_segments(
+            "/scale/bar", np.concatenate((polyline(bar, FORCE), ends)), theme.ink, thickness=2.0, **screen
+        )
+        scene.add_label(
+            "/scale/label", f"1 chord = {1e3 * run.chord:g} mm", position=(right - 0.5, FORCE, bottom + 0.16),
+            anchor="bottom-center",
+        )  # fmt: skip
+        self.time = scene.add_label(
+            "/time", " ", position=(0.5 * (left + right), FORCE, top), anchor="top-center", font_screen_scale=1.2
+        )
+
+    def show(self, text: str, stroke: bool) -> None:
+        """Tell the time; show or hide the stroke plane."""
+        self.time.text = text
+        for handle in self.stroke:
+            if handle.visible != stroke:
+                handle.visible = stroke

@@ -1,0 +1,259 @@
+"""One browser: its place in the run, its scene, its controls and its charts."""
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from . import camera, compare, field, timeline
+from .charts import Charts, caption
+from .colours import theme
+from .field import NONE, Fields, Flow
+from .frames import Run
+from .legend import legend
+from .panel import BACK, ON, REVERSAL_BACK, REVERSAL_ON, Panel
+from .scene import FIELD, default_layers, place, set_up
+from .timeline import Playback
+
+CHART_SECONDS = 0.12
+"""The dots of the charts move no more often than this while playing."""
+
+NOT_LOCKED = "This version of viser lets the view turn; “Reset view” turns it back."
+
+
+def opening(runs: Sequence[Run]) -> Playback:
+    """Where a browser starts: at the newest frame of a run in progress, or playing the last beat of a complete one."""
+    run = runs[0]
+    playback = Playback(position=float(max(run.frames - 1, 0)), playing=not run.live, follow=run.live)
+    shown = [default_layers(one) for one in runs]
+    playback.layers = {name: any(layers[name] for layers in shown) for name in shown[0]}
+    if len(runs) > 1:
+        playback.layers |= {"velocity": False, "load": False}
+    return playback
+
+
+class Session:
+    """Everything that one browser sees, until its connection drops.
+
+    Args:
+        client: viser's handle of the browser.
+        runs: one result, or two to compare; playback goes by the first.
+        playback: where to start; it outlives the session.
+        fields: the flow around the first result.
+    """
+
+    def __init__(self, client: Any, runs: Sequence[Run], playback: Playback, fields: Fields) -> None:
+        self.client, self.runs, self.playback, self.fields = client, list(runs), playback, fields
+        self.run = runs[0]
+        self._lock = threading.RLock()
+        self._flow: Flow | None = None
+        self._field_shown = -1
+        self._charted = 0.0
+        with client.atomic():
+            self._set_theme()
+            self.panel = Panel(client, self.run, playback, self.act)
+            with self.panel.chart_tab:
+                self.charts = Charts(client.gui, self.runs, self.theme, playback)
+            self._build()
+            self.view = camera.View(client, self.run.box)
+        if not camera.lock_rotation(client):
+            with contextlib.suppress(Exception):
+                client.add_notification("The view can turn", NOT_LOCKED)
+
+    def tick(self, seconds: float) -> None:
+        """Play on, if playing."""
+        with self._lock:
+            if self.playback.playing:
+                timeline.advance(self.run, self.playback, seconds)
+                self.show()
+
+    def grow(self) -> None:
+        """Take notice of new frames."""
+        with self._lock, self.client.atomic():
+            self.panel.grow()
+            if self.playback.follow:
+                self.playback.position = float(self.run.frames - 1)
+            self._build()
+            self.charts.show(self.playback, again=True)
+            if not self.run.live:
+                self.playback.follow = False
+            self.panel.show(self.playback)
+
+    def show(self) -> None:
+        """Show the frame where playback is."""
+        with self._lock, self.client.atomic():
+            index = self.playback.frame
+            for actor in self.actors:
+                here = index if actor.run is self.run else actor.run.index_at(index / self.run.frames_per_beat)
+                actor.show(here, self.playback.layers)
+            text = self._tell_time(index)
+            self.stage.show(text, self.playback.layers["stroke"])
+            self.panel.show(self.playback)
+            now = time.monotonic()
+            if not self.playback.playing or now - self._charted > CHART_SECONDS:
+                self._charted = now
+                self.charts.show(self.playback)
+                self.panel.time.content = self._headline(text)
+            self._show_field()
+
+    def act(self, name: str, value: Any) -> None:
+        """Do what a control asks for."""
+        with self._lock:
+            playback = self.playback
+            if name in playback.layers:
+                playback.layers[name] = bool(value)
+            elif name in ("loop", "window", "background"):
+                setattr(playback, name, value)
+            elif name == "frame":
+                timeline.seek(self.run, playback, int(value))
+            else:
+                self._deeds[name](self, value)
+            if name == "background":
+                self._field_shown = -1
+                self._tell_legend()
+            self.show()
+
+    def _play(self, _: Any) -> None:
+        self.playback.playing = not self.playback.playing
+        self.playback.follow = False
+
+    def _step(self, which: str) -> None:
+        if which in (BACK, ON):
+            timeline.step(self.run, self.playback, 1 if which == ON else -1)
+        else:
+            frame = timeline.next_reversal(self.run, self.playback, which == REVERSAL_ON)
+            assert which in (REVERSAL_BACK, REVERSAL_ON)
+            if frame is not None:
+                timeline.seek(self.run, self.playback, frame)
+
+    def _choose_beat(self, number: int) -> None:
+        playing = self.playback.playing
+        timeline.seek(self.run, self.playback, self.run.index_at(int(number) - 1))
+        self.playback.playing = playing
+        if self.playback.loop == timeline.LAST_BEAT:
+            self.playback.loop = self.panel.loop.value = timeline.THIS_BEAT
+
+    def _set_speed(self, name: str) -> None:
+        self.playback.speed = timeline.SPEEDS[name]
+
+    def _set_follow(self, follow: bool) -> None:
+        self.playback.follow = bool(follow)
+        if follow:
+            self.playback.playing = False
+            self.playback.position = float(self.run.frames - 1)
+
+    def _reset_view(self, _: Any) -> None:
+        self.view.reset()
+
+    def _darken(self, dark: bool) -> None:
+        self.playback.dark = bool(dark)
+        with self.client.atomic():
+            self._set_theme()
+            self.charts.colour(self.theme)
+            self._build()
+
+    _deeds: dict[str, Callable[["Session", Any], None]] = {  # noqa: RUF012 - the same for all
+        "play": _play,
+        "step": _step,
+        "beat": _choose_beat,
+        "speed": _set_speed,
+        "follow": _set_follow,
+        "reset": _reset_view,
+        "dark": _darken,
+    }
+
+    def _set_theme(self) -> None:
+        self.theme = theme(self.playback.dark)
+        self.client.gui.configure_theme(
+            dark_mode=self.playback.dark, show_logo=False, show_share_button=False, control_width="medium"
+        )
+
+    def _build(self) -> None:
+        """Build the scene anew: for another theme, or for ranges that a growing run has changed."""
+        scene = self.client.scene
+        scene.reset()
+        self._picture: Any = None
+        self._field_shown = -1
+        self.stage, self.actors = set_up(scene, self.runs, self.theme)
+        self.panel.caption.content = caption(self.runs, self.theme)
+        if len(self.runs) > 1:
+            self.panel.differences.content = compare.table(self.runs[0], self.runs[1], self.theme)
+            self.panel.differences.visible = True
+        self._tell_legend()
+        self.show()
+
+    def _tell_legend(self) -> None:
+        flow = self._flow
+        shown = field.scale(self.playback.background, self.theme, self.fields.limits(flow)) if flow else None
+        self.panel.legend.content = legend(self.runs, self.theme, shown)
+
+    def _tell_time(self, index: int) -> str:
+        number, part = self.run.beat_of(index)
+        text = f"beat {number}   t/T = {part:.3f}"
+        half = self.run.half_stroke(index)
+        return f"{text}   {half}" if half else text
+
+    def _headline(self, text: str) -> str:
+        milliseconds = 1e3 * self.playback.frame * self.run.case.step * self.run.case.output.every
+        state = {"running": "being computed", "failed": "stopped: the computation failed"}.get(self.run.status, "")
+        several = len(self.runs) > 1
+        title = " against ".join(escape(run.label if several else run.title) for run in self.runs)
+        model = " against ".join(run.case.solver.upper() for run in self.runs)
+        return (
+            f'<div data-time style="padding:2px 4px 6px;line-height:1.45"><b>{title}</b><br>'
+            f"{model}{', ' + state if state else ''}<br>{text.replace('   ', ', ')}, {milliseconds:.2f} ms</div>"
+        )
+
+    def _show_field(self) -> None:
+        kind = self.playback.background
+        if kind == NONE or not self.run.has_wake:
+            if self._picture is not None:
+                for handle in self._picture:
+                    handle.remove()
+                self._picture = None
+            return
+        index = self.playback.frame
+        if index == self._field_shown:
+            return
+        found = self.fields.ask(index)
+        if found.done():
+            self._paint(index, found)
+        else:
+            found.add_done_callback(lambda done: self._arrive(index, done))
+
+    def _arrive(self, index: int, found: "Future[Flow]") -> None:
+        with self._lock:
+            if found.cancelled() or self.playback.frame != index or self.playback.background == NONE:
+                return
+            with contextlib.suppress(RuntimeError), self.client.atomic():
+                self._paint(index, found)
+
+    def _paint(self, index: int, found: "Future[Flow]") -> None:
+        flow, first = found.result(), self._flow is None
+        self._flow, self._field_shown = flow, index
+        limits = self.fields.limits(flow)
+        picture = flow.picture(self.playback.background, self.theme, limits)
+        lines = flow.arrows(limits[1])
+        if self._picture is None:
+            left, bottom, right, top = (float(edge) for edge in flow.box)
+            centre = place(np.array([0.5 * (left + right), 0.5 * (bottom + top)]), FIELD)
+            # An image lies in its own x and y, rows along y: a quarter turn about x stands it up.
+            self._picture = (
+                self.client.scene.add_image(
+                    "/field/picture", picture, right - left, top - bottom, format="jpeg", jpeg_quality=92,
+                    wxyz=(np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0), position=centre,
+                    cast_shadow=False, receive_shadow=False,
+                ),
+                self.client.scene.add_line_segments(
+                    "/field/arrows", lines, self.theme.velocity, thickness=1.2, thickness_units="screen"
+                ),
+            )  # fmt: skip
+        else:
+            self._picture[0].image, self._picture[1].points = picture, lines
+        if first:
+            self._tell_legend()
