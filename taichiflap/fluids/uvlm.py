@@ -28,6 +28,8 @@ Film = ti.types.argpack(
 
 GROUPS = {"flow": lattice.Lattice, "wake": wake.Wake, "film": Film}
 
+nodes = lattice.nodes
+
 
 def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]:
     """Arrays of the lattices and wakes of a batch."""
