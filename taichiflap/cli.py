@@ -71,7 +71,11 @@ def simulate(
     path = output or Path(f"{case_file.stem}.h5")
     for warning in plausible.warnings(case):
         print(f"warning: {warning}", file=sys.stderr)
-    result = _simulate_with_progress(case, path, threads, overwrite)
+    try:
+        result = _simulate_with_progress(case, path, threads, overwrite)
+    except KeyboardInterrupt:
+        print(f"interrupted: taichiflap info {path} shows what was computed until now", file=sys.stderr)
+        raise typer.Exit(130) from None
     with result:
         _print_summary(result)
         if result.status == "failed":

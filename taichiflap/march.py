@@ -13,7 +13,7 @@ A fluid model is a module that has
 
 - `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames;
 - `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`;
-- `nodes(case)`; `work(case)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
+- `nodes(case)`; `work(case, step)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
 - `prepare(batch, b, n, rule)`: fills `body.load` and `body.response`, which come zeroed;
 - `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
 - `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding.

@@ -94,8 +94,8 @@ def _run(
             writer.lay_out(fluid.nodes(case), section)
         march.advance(0)
         solve_time = 0.0
-        steps = block_steps(cases, fluid)
         while not march.done:
+            steps = block_steps(cases, fluid, march.next_step)
             began = time.perf_counter()
             blocks = march.advance(steps)
             solve_time += time.perf_counter() - began
@@ -111,9 +111,9 @@ def _run(
         raise
 
 
-def block_steps(cases: Sequence[Case], fluid: Any) -> int:
-    """Steps to march between two writes: few enough for a lively progress bar and bounded memory."""
-    work = sum(fluid.work(case) for case in cases)
+def block_steps(cases: Sequence[Case], fluid: Any, step: int) -> int:
+    """Steps to march from `step` on before the next write: a lively progress bar, and bounded memory."""
+    work = sum(fluid.work(case, step) for case in cases)
     size = sum(fluid.frame_bytes(case) / case.output.every for case in cases)
     return max(1, int(min(BLOCK_STEPS, BLOCK_WORK / work, BLOCK_BYTES / size)))
 

@@ -2,8 +2,10 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 from conftest import CASES
@@ -107,6 +109,28 @@ def test_a_diverging_run_ends_with_code_1_and_its_frames(tmp_path):
     assert "ceased to be finite at step" in ran.stderr
     assert "warning: the first natural frequency" in ran.stderr
     assert (tmp_path / "hawkmoth_dbet.h5").exists()
+
+
+def test_an_interrupted_run_says_where_its_frames_are(tmp_path):
+    settings = ("--set", "uvlm.wake=all", "--set", "time.periods=1000")
+    command = [sys.executable, "-m", "taichiflap", "simulate", str(CASES / "hawkmoth.toml"), *settings]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        while not frames_in(tmp_path / "hawkmoth.h5"):
+            time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert said == "interrupted: taichiflap info hawkmoth.h5 shows what was computed until now\n"
+    ran = run("info", "hawkmoth.h5", cwd=tmp_path)
+    assert (ran.returncode, "running" in ran.stdout) == (0, True)
+
+
+def frames_in(path):
+    try:
+        with taichiflap.open_result(path) as result:
+            return result.frames
+    except taichiflap.ResultError:
+        return 0
 
 
 def test_init_writes_a_case_that_runs(tmp_path):

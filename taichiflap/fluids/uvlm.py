@@ -57,9 +57,9 @@ def trim(frames: dict[str, np.ndarray], case: Case) -> dict[str, np.ndarray]:
     return frames | panels | wake.in_order(frames)
 
 
-def work(case: Case) -> float:
-    """Cost of a step with a full wake, in pair interactions (about a nanosecond)."""
-    panels, vortices = case.uvlm.panels, wake.ring_size(case)
+def work(case: Case, step: int) -> float:
+    """Cost of a step, in pair interactions (about a nanosecond): the wake grows until it is full."""
+    panels, vortices = case.uvlm.panels, min(step + 1, wake.ring_size(case))
     return (vortices + panels) ** 2 + panels**3 / 10.0
 
 
