@@ -6,20 +6,33 @@ PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: hawkmoth test test-fast lint bench clean
+.PHONY: hawkmoth view test test-fast browser lint bench clean
 
 hawkmoth: .venv/.run  ## set up and run the main job
 	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
 	@echo
 	@echo "The result is hawkmoth.h5. Look at it with:"
-	@echo "  $(BIN)/taichiflap info hawkmoth.h5"
-	@echo "  $(BIN)/python -c 'import taichiflap; print(taichiflap.open_result(\"hawkmoth.h5\").tip_deflection.max())'"
+	@echo "  make view                                 (wing and wake in the browser)"
+	@echo "  $(BIN)/taichiflap info hawkmoth.h5    (its numbers)"
+	@echo "  $(BIN)/taichiflap plot hawkmoth.h5    (figures for a paper)"
 
-test: .venv/.dev  ## all tests
+view: hawkmoth.h5  ## the result in the browser
+	$(BIN)/taichiflap view hawkmoth.h5
+
+hawkmoth.h5:
+	@$(MAKE) hawkmoth
+
+test: .venv/.dev browser  ## all tests
 	$(BIN)/python -m pytest
 
 test-fast: .venv/.dev  ## all but the whole runs of the shipped cases
 	$(BIN)/python -m pytest -m "not slow"
+
+browser:  ## Debian's chromium, for the tests that drive a browser
+	@command -v chromium > /dev/null \
+	|| { [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null && echo "Installing chromium ..." \
+	     && apt-get -qq update > /dev/null && apt-get -qq install -y chromium > /dev/null; } \
+	|| echo "*** There is no chromium: the BROWSER TESTS WILL BE SKIPPED. Install Debian's chromium to run them. ***"
 
 lint: .venv/.dev  ## style and types
 	$(BIN)/ruff check .
