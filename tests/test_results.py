@@ -149,7 +149,7 @@ def test_a_killed_run_leaves_its_frames_readable(tmp_path):
     assert not path.exists()
     with taichiflap.open_result(path) as result:
         assert result.status == "running"
-        assert result.frames >= 256
+        assert result.frames >= run.BLOCK_STEPS
         whole = taichiflap.simulate(hawkmoth("time.periods=15"))
         np.testing.assert_array_equal(result.force_y, whole.force_y[: result.frames])
         assert len(result.wake(-1)["y"]) == 200
@@ -164,7 +164,7 @@ def test_an_interrupted_run_is_closed_and_readable(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         taichiflap.simulate(hawkmoth(), path, progress=interrupt)
     with taichiflap.open_result(path) as result:
-        assert result.frames == 256
+        assert result.frames == run.BLOCK_STEPS
 
 
 def test_a_diverged_case_keeps_its_frames_and_says_why(tmp_path):
