@@ -1,5 +1,6 @@
 """Figures for print: the last beat in numbers, and the wing with its wake or its loads at instants of that beat."""
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from . import outputs, palette, scene
@@ -33,7 +35,7 @@ STYLES = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
 MANY_DOTS = 6000
 """More dots than this are drawn as pixels in an SVG, lest it take minutes to open."""
 
-_STYLE = {
+_STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "axes.labelsize": 8,
@@ -94,7 +96,7 @@ def summary(results: Sequence[Result]) -> Figure:
             turns = turns - round(turns[-1]) + 1.0
             for ax, (_, series) in zip(axes, PANELS, strict=True):
                 for name, (_, line) in zip(series, STYLES, strict=False):
-                    part = {} if line == "-" else {"linewidth": 1.0}
+                    part: Any = {} if line == "-" else {"linewidth": 1.0}
                     ax.plot(turns, 1e3 * getattr(result, name)[frames], line, color=colour, **part)
             handles.append(Line2D([], [], color=colour, label=_legend(result, frames)))
         for letter, ax, (label, series) in zip("abcd", axes, PANELS, strict=True):
@@ -129,20 +131,18 @@ def wing(result: Result) -> Figure:
     left, right, bottom, top = (1e3 * edge for edge in shared.page)
     columns = INSTANTS // 2
     cell = (WIDTH - (1.75 if dotted else 0.6)) / columns - 0.1
-    height = min(2.0 * cell * (top - bottom) / (right - left) + 1.3, 9.0)
+    height = min(2.0 * cell * (top - bottom) / (right - left) + 1.15, 9.0)
     head = 1.0 - 0.13 / height
+    layout = ConstrainedLayoutEngine(compress=True, rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(WIDTH, height), layout="compressed")
+        figure = Figure(figsize=(WIDTH, height), layout=layout)
         axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):
             dots = _draw_wake(ax, frame, shared, sum(len(f.wake) for f in frames) > MANY_DOTS) if dotted else None
             _draw_wing(ax, frame)
             ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
             ax.set_title(f"t/T = {frame.beats % 1.0:.3f}", fontsize=8, pad=3)
-            if dots is None:
-                arrows = _draw_load(ax, frame, shared, chord)
-            else:
-                arrows = _draw_force(ax, frame, shared, chord)
+            arrows = (_draw_load if dots is None else _draw_force)(ax, frame, shared, chord)
         figure.supxlabel("Along the stroke, Z (mm)", fontsize=8)
         figure.supylabel("Up, −Y (mm)", fontsize=8)
         if dots is None:
@@ -159,9 +159,6 @@ def wing(result: Result) -> Figure:
         axes[0, 0].quiverkey(
             arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}
         )
-        engine = figure.get_layout_engine()
-        assert engine is not None
-        engine.set(rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
     return figure
 
 
@@ -175,7 +172,7 @@ def _shade(ax: Any, result: Result) -> None:
     edges = [0.0, *scene.reversals(result.case, 0.0, 1.0), 1.0]
     if len(edges) == 2:
         return
-    for left, right in zip(edges, edges[1:], strict=False):
+    for left, right in itertools.pairwise(edges):
         middle = 0.5 * (left + right)
         if right - left < 1e-6 or after_reversal(result.case, middle) is None:
             continue
