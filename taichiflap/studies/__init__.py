@@ -1,0 +1,1 @@
+"""Studies: many cases through the one march, and what they amount to."""
