@@ -110,6 +110,49 @@ def info(file: Annotated[Path, typer.Argument(help="result file", show_default=F
 
 
 @app.command()
+def plot(
+    file: Annotated[Path, typer.Argument(help="result file", show_default=False)],
+    other: Annotated[Path | None, typer.Argument(help="a second one, to compare", show_default=False)] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="folder, or how the names begin  [default: the result's name, here]"),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing figures")] = False,
+) -> None:
+    """Draw the last beat for print: a summary, and the wing with its wake, as PNG and SVG."""
+    from contextlib import ExitStack
+
+    from .results import open_result
+
+    with ExitStack() as stack:
+        results = [stack.enter_context(open_result(path)) for path in (file, other) if path is not None]
+        from .plots import plot as draw
+
+        for path in draw(results, output, overwrite):
+            print(f"{path} written")
+
+
+@app.command()
+def export(
+    file: Annotated[Path, typer.Argument(help="result file", show_default=False)],
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4 or gif")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="file, or folder  [default: the result's name, here]")
+    ] = None,
+    beats: Annotated[
+        int | None, typer.Option(help="last beats to show  [default: 4 in html, 2 in mp4, 1 in gif]")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
+) -> None:
+    """Write a result as a table, for ParaView, or as a page or film that plays its last beats."""
+    from .export import export as write
+    from .results import open_result
+
+    with open_result(file) as result:
+        print(f"{write(result, to, output, beats, overwrite)} written")
+
+
+@app.command()
 def init(
     file: Annotated[Path, typer.Argument(help="case file to write")] = Path("case.toml"),
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,

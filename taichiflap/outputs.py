@@ -7,10 +7,19 @@ from pathlib import Path
 from typing import BinaryIO
 
 from .errors import UserError
+from .results import Result
 
 
 class OutputError(UserError):
     """An output that cannot be written: one sentence with the path and the cause."""
+
+
+def place(result: Result, path: Path | None, suffix: str = "") -> Path:
+    """Where an output goes: to `path`, under the result's name if that is a folder, or here if it is None."""
+    own = Path(result.path.name.removesuffix(".part")).stem if result.path else "result"
+    if path is None:
+        return Path(f"{own}{suffix}")
+    return path / f"{own}{suffix}" if path.is_dir() else path
 
 
 def check(path: Path, overwrite: bool) -> None:

@@ -30,7 +30,7 @@ PANELS = (
     ("Mechanical power (mW)", ("power", "power_aerodynamic", "power_inertial")),
 )
 """Panels of the summary: label of the axis, and series, drawn in thousandths of their unit."""
-STYLES = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
+STYLES: Any = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
 """The power and its parts: name and line."""
 MANY_DOTS = 6000
 """More dots than this are drawn as pixels in an SVG, lest it take minutes to open."""
@@ -56,8 +56,11 @@ _STYLE: Any = {
 }
 
 
-def plot(results: Sequence[Result], stem: Path, overwrite: bool = False) -> list[Path]:
+def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = False) -> list[Path]:
     """Write `STEM-summary` of all results, and `STEM-wing` of the first, as PNG and SVG.
+
+    Args:
+        stem: how the files' names begin, or a folder to put them in; the first result's own name, here, if None.
 
     Returns:
         The files written.
@@ -66,6 +69,7 @@ def plot(results: Sequence[Result], stem: Path, overwrite: bool = False) -> list
         SceneError: when a result has no whole beat.
         OutputError: when a file exists already or cannot be written.
     """
+    stem = outputs.place(results[0], stem)
     names = ("summary", "wing")
     paths = [stem.with_name(f"{stem.name}-{name}.{kind}") for name in names for kind in FORMATS]
     for path in paths:
