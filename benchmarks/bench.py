@@ -21,6 +21,7 @@ import taichiflap
 from taichiflap import fluids, wake
 from taichiflap.case import Case
 from taichiflap.march import March
+from taichiflap.run import BLOCK_STEPS
 from taichiflap.runtime import available_threads
 from taichiflap.vortex import induced_velocity
 
@@ -99,7 +100,7 @@ def solve_time(case: Case, threads: int | None = None, copies: int = 1) -> float
         march.advance(0)
         began = time.perf_counter()
         while not march.done:
-            march.advance(200)
+            march.advance(BLOCK_STEPS)
         return time.perf_counter() - began
 
     return median(measure, 5 if copies == 1 else 3)
@@ -109,7 +110,8 @@ def command_time(*settings: str, cache: str | None = None) -> float:
     """Seconds of the whole command, the start of Python included."""
     environment = {**os.environ, **({"TI_OFFLINE_CACHE_FILE_PATH": cache} if cache else {})}
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "taichiflap", "simulate", ROOT / "cases" / "hawkmoth.toml", *settings]
+        case = str(ROOT / "cases" / "hawkmoth.toml")
+        command = [sys.executable, "-m", "taichiflap", "simulate", case, *settings]
         began = time.perf_counter()
         subprocess.run(command, cwd=folder, env=environment, capture_output=True, check=True)
         return time.perf_counter() - began
