@@ -1,6 +1,7 @@
 """The commands. Heavy parts are imported inside them, so that `--help` answers at once."""
 
 import sys
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -62,6 +63,7 @@ def simulate(
     settings: Settings = None,
     threads: Annotated[int | None, typer.Option(min=1, help="threads to use  [default: all]")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing result")] = False,
+    view: Annotated[bool, typer.Option("--view", help="show the run in the browser while it computes")] = False,
 ) -> None:
     """Compute a case and write its result file."""
     from . import plausible
@@ -71,16 +73,17 @@ def simulate(
     path = output or Path(f"{case_file.stem}.h5")
     for warning in plausible.warnings(case):
         print(f"warning: {warning}", file=sys.stderr)
-    try:
-        result = _simulate_with_progress(case, path, threads, overwrite)
-    except KeyboardInterrupt:
-        print(f"interrupted: taichiflap info {path} shows what was computed until now", file=sys.stderr)
-        raise typer.Exit(130) from None
-    with result:
-        _print_summary(result)
-        if result.status == "failed":
-            print(f"error: {path}: {result.attributes['reason']}", file=sys.stderr)
-            raise typer.Exit(1)
+    with _viewing(path) if view else nullcontext():
+        try:
+            result = _simulate_with_progress(case, path, threads, overwrite)
+        except KeyboardInterrupt:
+            print(f"interrupted: taichiflap info {path} shows what was computed until now", file=sys.stderr)
+            raise typer.Exit(130) from None
+        with result:
+            _print_summary(result)
+            if result.status == "failed":
+                print(f"error: {path}: {result.attributes['reason']}", file=sys.stderr)
+                raise typer.Exit(1)
 
 
 @app.command()
@@ -178,6 +181,12 @@ def schema() -> None:
     from .case import case_schema
 
     print(json.dumps(case_schema(), indent=2))
+
+
+def _viewing(path: Path) -> AbstractContextManager[Any]:
+    from taichiflap_viewer.beside import Beside
+
+    return Beside(path)
 
 
 def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overwrite: bool) -> Any:

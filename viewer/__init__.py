@@ -1,5 +1,17 @@
 """The browser viewer of taichiflap's results. Reads them through `taichiflap.results`; the solver never imports it."""
 
-from .app import Viewer, ViewError, view
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .app import Viewer, ViewError, view
 
 __all__ = ["ViewError", "Viewer", "view"]
+
+
+def __getattr__(name: str) -> Any:
+    # viser takes a while to import: `simulate --view` only needs to start another process.
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from . import app  # noqa: PLC0415
+
+    return getattr(app, name)

@@ -13,9 +13,9 @@ from typing import Any
 
 import viser
 
-from taichiflap import open_result
+from taichiflap import Result, open_result
 from taichiflap.errors import UserError
-from taichiflap.results import PART
+from taichiflap.results import PART, ResultError, part
 
 from . import camera, compare
 from .colours import theme
@@ -29,6 +29,8 @@ UPDATES = 30
 """Frames a second that a playing browser gets at most."""
 LOOK_SECONDS = 0.25
 """How often a file that is being written is looked at."""
+BEGIN_SECONDS = 15.0
+"""A file that holds no frame so long after it was last touched will hold none."""
 FORGET_SECONDS = 600.0
 """How long the place of a browser whose connection dropped is kept."""
 BROWSER = "taichiflap-browser"
@@ -58,7 +60,7 @@ class Viewer:
         files = [Path(path) for path in paths]
         self.port = _free_port(host, port)
         self.host = host
-        self.runs = [Run(open_result(path), label) for path, label in zip(files, _labels(files), strict=True)]
+        self.runs = [Run(_open(path), label) for path, label in zip(files, _labels(files), strict=True)]
         self._fields = Fields(self.runs[0])
         self._sessions: dict[int, Session] = {}
         self._dropped: dict[str, list[tuple[float, Playback]]] = {}
@@ -70,10 +72,8 @@ class Viewer:
         self.port = self.server.get_port()
         self.server.gui.configure_theme(show_logo=False, show_share_button=False)
         camera.start(self.server, self.runs[0].box)
-        # A page shows this from the start, until its own session has taken over.
-        _, actors = set_up(self.server.scene, self.runs, theme(False))
-        for actor in actors:
-            actor.show(actor.run.frames - 1, opening(self.runs).layers)
+        # A page shows this from the start, until its own session takes over.
+        self._set_backdrop()
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
         self._threads = [threading.Thread(target=work, daemon=True) for work in (self._play, self._follow)]
@@ -102,6 +102,12 @@ class Viewer:
         self._fields.close()
         for run in self.runs:
             run.close()
+
+    def _set_backdrop(self) -> None:
+        self.server.scene.reset()
+        _, actors = set_up(self.server.scene, self.runs, theme(False))
+        for actor in actors:
+            actor.show(actor.run.frames - 1, opening(self.runs).layers)
 
     def _connect(self, client: Any) -> None:
         browser = _browser(client)
@@ -133,7 +139,10 @@ class Viewer:
 
     def _follow(self) -> None:
         while any(run.live for run in self.runs) and not self._stop.wait(LOOK_SECONDS):
+            surveys = [run.surveys for run in self.runs]
             grown = [run.refresh() for run in self.runs if run.live]
+            if surveys != [run.surveys for run in self.runs]:
+                self._guard(self._set_backdrop)
             if any(grown):
                 for session in self.sessions:
                     self._guard(session.grow)
@@ -157,6 +166,26 @@ def _browser(client: Any) -> str:
     except (RuntimeError, TimeoutError):
         return uuid.uuid4().hex
     return str(known)
+
+
+def _open(path: Path) -> Result:
+    """Open a file, waiting for its first frame if it has just been begun."""
+    while True:
+        try:
+            result = open_result(path)
+            if result.frames or result.status != "running":
+                return result
+            result.close()
+            problem = ResultError(f"{path}: holds no frame yet")
+        except ResultError as error:
+            problem = error
+        begun = path if path.name.endswith(PART) else part(path)
+        final = path.with_name(path.name.removesuffix(PART))
+        if not begun.exists() and final != path and final.exists():
+            path = final
+        elif not begun.exists() or time.time() - begun.stat().st_mtime > BEGIN_SECONDS:
+            raise problem
+        time.sleep(0.1)
 
 
 def _labels(paths: Sequence[Path]) -> list[str]:

@@ -101,10 +101,18 @@ class View:
             self._camera.position = np.array(position)
             self._camera.look_at = np.array(target)
 
+    def fit(self, box: Box) -> None:
+        """Take another box for the first view, and show it unless somebody has panned or zoomed."""
+        self.box = box
+        if self._untouched(self._camera):
+            self.reset()
+
+    def _untouched(self, seen: Any) -> bool:
+        return any(np.allclose(seen.position, place, rtol=1e-3, atol=1e-3) for place in self._homes)
+
     def _refit(self, seen: Any) -> None:
-        untouched = any(np.allclose(seen.position, place, rtol=1e-3, atol=1e-3) for place in self._homes)
-        if untouched and (seen.image_width, seen.image_height) != self._size:
-            self._camera = seen
+        self._camera = seen
+        if self._untouched(seen) and (seen.image_width, seen.image_height) != self._size:
             self.reset()
 
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .colours import Map, Theme
+from .colours import Theme
 from .frames import Array, Frame, Run
+from .legend import Bar
 from .scene import ARROWS, arrows
 
 NONE, VORTICITY, SPEED = BACKGROUNDS = ("none", "vorticity", "speed")
@@ -64,22 +65,21 @@ class Fields:
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        left, bottom, right, top = run.box
-        self.box = np.array([left - ASIDE, bottom - MARGIN, right + ASIDE, top + MARGIN])
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="field")
         self._lock = threading.Lock()
-        self._flows: OrderedDict[int, Future[Flow]] = OrderedDict()
+        self._flows: OrderedDict[tuple[int, int], Future[Flow]] = OrderedDict()
         self._limits: tuple[float, float] | None = None
 
     def ask(self, index: int) -> "Future[Flow]":
         """The flow of a frame, at once or as soon as it is computed."""
+        key = self.run.surveys, index
         with self._lock:
-            if index not in self._flows:
-                self._flows[index] = self._worker.submit(self._compute, index)
+            if key not in self._flows:
+                self._flows[key] = self._worker.submit(self._compute, index)
                 while len(self._flows) > KEPT:
                     self._flows.popitem(last=False)
-            self._flows.move_to_end(index)
-            return self._flows[index]
+            self._flows.move_to_end(key)
+            return self._flows[key]
 
     def limits(self, flow: Flow) -> tuple[float, float]:
         """Ranges of vorticity and speed: those of the first flow looked at, for good."""
@@ -97,10 +97,11 @@ class Fields:
         from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - Taichi takes a second to start
 
         run, frame = self.run, self.run.frame(index)
-        width, height = self.box[2:] - self.box[:2]
+        box = run.box + np.array([-ASIDE, -MARGIN, ASIDE, MARGIN])
+        width, height = box[2:] - box[:2]
         finest = max(width, height) / ACROSS
         shape = max(2, round(height / finest)), max(2, round(width / finest))
-        right, up = np.meshgrid(*_axes(self.box, shape))
+        right, up = np.meshgrid(*_axes(box, shape))
         core = max(CORE, run.case.uvlm.core) * run.chord
         found = induced_velocity(np.stack((-up, right)) * run.chord, vortices(frame, run.chord), core)
         stream_y, stream_z = run.case.fluid.velocity
@@ -108,7 +109,7 @@ class Fields:
         step = finest * run.chord
         # (right, up) is (Y, Z) turned by a quarter, so the curl keeps its sign.
         vorticity = np.gradient(velocity[1], step, axis=1) - np.gradient(velocity[0], step, axis=0)
-        return Flow(self.box, velocity, vorticity)
+        return Flow(box, velocity, vorticity)
 
 
 def vortices(frame: Frame, chord: float) -> Array:
@@ -118,12 +119,14 @@ def vortices(frame: Frame, chord: float) -> Array:
     return np.stack((-places[:, 1], places[:, 0], np.concatenate((frame.bound, frame.circulation))))
 
 
-def scale(kind: str, theme: Theme, limits: tuple[float, float]) -> tuple[str, Map, float, float, str] | None:
+def bar(kind: str, theme: Theme, limits: tuple[float, float]) -> Bar | None:
     """What the legend says about a background."""
+    spin, speed = limits
+    remark = f"its arrows: {REACH:g} chord = {speed:g} m/s"
     if kind == VORTICITY:
-        return "Background: vorticity", theme.vorticity, -limits[0], limits[0], "1/s"
+        return Bar("Air: vorticity", theme.vorticity, -spin, spin, "1/s", remark)
     if kind == SPEED:
-        return "Background: speed of the air", theme.speed, 0.0, limits[1], "m/s"
+        return Bar("Air: speed", theme.speed, 0.0, speed, "m/s", remark)
     return None
 
 

@@ -81,6 +81,11 @@ class Run:
     Args:
         result: the open result; the run closes it.
         label: what to call it beside another.
+
+    Attributes:
+        ranges, box: what colours and arrows are scaled by, and the box (left, bottom, right, top; chords) of the
+            first view. A growing run looks at itself again each time that it has doubled, and when it is complete.
+        surveys: how often it has done so.
     """
 
     def __init__(self, result: Result, label: str) -> None:
@@ -93,6 +98,7 @@ class Run:
         self._lock = threading.RLock()
         self._cache: OrderedDict[int, Frame] = OrderedDict()
         self._held = 0
+        self.surveys = self._surveyed = 0
         if not result.frames:
             raise ResultError(f"{result.path}: holds no frame yet")
         self._load()
@@ -104,7 +110,9 @@ class Run:
         self.variables = self.result.variables
         self.shape = self.result.modes.get("shape", np.zeros((0, len(self.result.file["node"]))))
         self.station = self.result.file["node"][...]
-        self.ranges, self.box = self._survey()
+        if not self.surveys or self.frames >= 2 * self._surveyed or not self.live:
+            self.ranges, self.box = self._survey()
+            self.surveys, self._surveyed = self.surveys + 1, self.frames
 
     @property
     def live(self) -> bool:

@@ -1,52 +1,62 @@
 """What the colours and arrows mean: numbers, units and, where something is missing, why."""
 
+from dataclasses import dataclass
 from html import escape
 
 from .colours import Map, Theme, css
 from .frames import Run
-from .scene import circulation_limit
+from .scene import common_ranges
 
-BAR = "height:10px;border-radius:2px;border:1px solid rgba(128,128,128,.4);background:linear-gradient(90deg,{});"
+GRADIENT = "height:10px;border-radius:2px;border:1px solid rgba(128,128,128,.4);background:linear-gradient(90deg,{});"
 ROW = "display:flex;justify-content:space-between;font-size:11px;line-height:1.3;"
 HEAD = "font-size:12px;margin-top:7px;"
 
 
-def legend(runs: list[Run], theme: Theme, field: tuple[str, Map, float, float, str] | None) -> str:
-    """The legend as HTML.
+@dataclass(frozen=True)
+class Bar:
+    """A colour map with numbers: what it shows, its lowest and highest value and their unit, and a remark."""
 
-    Args:
-        field: what the background shows, if it does: its name, map, lowest and highest value and unit.
-    """
-    run = runs[0]
-    parts = []
-    if len(runs) > 1:
-        marks = ("&#9679;", "&#9670;")
-        for other, colour, mark in zip(runs, theme.runs, marks, strict=True):
-            vortices = f", vortices {mark}" if other.has_wake else ", no wake: blade elements (DBET)"
-            parts.append(f"{_swatch(colour)} <b>{escape(other.label)}</b>{vortices}")
-    else:
-        parts.append(_bar("Wing: pressure jump", theme.pressure, -run.ranges.pressure,
-                          run.ranges.pressure, "Pa"))  # fmt: skip
-    if any(one.has_wake for one in runs):
-        limit = circulation_limit(runs)
-        parts.append(_bar("Wake: circulation", theme.circulation, -1e3 * limit, 1e3 * limit,
-                          "10⁻³ m²/s"))  # fmt: skip
-    elif len(runs) == 1:
+    title: str
+    colours: Map
+    low: float
+    high: float
+    unit: str
+    remark: str = ""
+
+
+def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
+    """The legend of a scene as HTML."""
+    ranges = common_ranges(runs)
+    several = len(runs) > 1
+    parts = [_named(runs, theme)] if several else []
+    if not several:
+        parts.append(_bar(Bar("Wing: pressure jump", theme.pressure, -ranges.pressure, ranges.pressure, "Pa")))
+    if any(run.has_wake for run in runs):
+        limit = 1e3 * ranges.circulation
+        parts.append(_bar(Bar("Wake: circulation", theme.circulation, -limit, limit, "10⁻³ m²/s")))
+    elif not several:
         parts.append("No wake: blade elements (DBET) compute none.")
-    if field:
-        name, colours, low, high, unit = field
-        parts.append(_bar(name, colours, low, high, unit))
-    parts.append(
-        f"{_swatch(css(theme.force))} force: 1 chord = {1e3 * run.ranges.force:g} mN"
-        f"<br>{_swatch(css(theme.load))} local force: ½ chord = {run.ranges.pressure:g} Pa"
-        f"<br>{_swatch(css(theme.velocity))} velocity: ½ chord = {run.ranges.speed:g} m/s"
-        f"<br>{_swatch(css(theme.faint))} undeformed; stroke plane"
-        if len(runs) == 1
-        else f"Arrows: force, 1 chord = {1e3 * run.ranges.force:g} mN; along the wing, ½ chord = "
-        f"{run.ranges.pressure:g} Pa; velocity, ½ chord = {run.ranges.speed:g} m/s. Thin line: undeformed chord."
+    if background:
+        parts.append(_bar(background))
+    colours = (theme.force, theme.load, theme.velocity, theme.faint)
+    texts = (
+        f"force: 1 chord = {1e3 * ranges.force:g} mN",
+        f"local force: ½ chord = {ranges.pressure:g} Pa",
+        f"velocity: ½ chord = {ranges.speed:g} m/s",
+        "thin line: undeformed" if several else "undeformed; stroke plane",
     )
+    swatches = ["" if several else _swatch(css(colour)) for colour in colours]
+    parts.append("<br>".join(swatch + text for swatch, text in zip(swatches, texts, strict=True)))
     lines = "".join(f'<div style="{HEAD}">{part}</div>' for part in parts)
     return f'<div data-legend style="padding:0 4px 8px;line-height:1.45">{lines}</div>'
+
+
+def _named(runs: list[Run], theme: Theme) -> str:
+    lines = []
+    for run, colour, mark in zip(runs, theme.runs, ("●", "◆"), strict=True):
+        wake = f"vortices {mark}" if run.has_wake else "DBET, no wake"
+        lines.append(f"{_swatch(colour)}<b>{escape(run.label)}</b>, {wake}")
+    return "<br>".join(lines)
 
 
 def _swatch(colour: str) -> str:
@@ -56,11 +66,12 @@ def _swatch(colour: str) -> str:
     )
 
 
-def _bar(title: str, colours: Map, low: float, high: float, unit: str) -> str:
-    middle = 0.5 * (low + high)
-    numbers = "".join(f"<span>{_signed(value)}</span>" for value in (low, middle, high))
-    return f"{title}, {unit}<div style='{BAR.format(','.join(colours.stops))}'></div><div style='{ROW}'>{numbers}</div>"
+def _bar(bar: Bar) -> str:
+    values = (bar.low, 0.5 * (bar.low + bar.high), bar.high)
+    numbers = "".join(f"<span>{_signed(value, bar.low < 0.0)}</span>" for value in values)
+    gradient = GRADIENT.format(",".join(bar.colours.stops))
+    return f"{bar.title}, {bar.unit}<div style='{gradient}'></div><div style='{ROW}'>{numbers}</div>{bar.remark}"
 
 
-def _signed(value: float) -> str:
-    return f"{value:+g}".replace("-", "−") if value else "0"
+def _signed(value: float, sign: bool) -> str:
+    return f"{value:+g}".replace("-", "−") if value and sign else f"{value:g}"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .colours import Rgb, Theme, linear, rgb
-from .frames import Array, Frame, Run
+from .frames import Array, Frame, Ranges, Run
 
 FIELD, ARROWS, PLANE, WAKE, GHOST, LOAD, WING, FORCE = 0.05, 0.045, 0.04, 0.03, -0.01, -0.02, -0.03, -0.04
 """Depth of each layer, chords away from the viewer."""
@@ -61,9 +61,9 @@ def arrows(tails: Array, vectors: Array, depth: float, head: float) -> NDArray[n
     return place(np.stack([np.stack(line, axis=1) for line in lines], axis=1).reshape(-1, 2, 2), depth)
 
 
-def wing_colours(frame: Frame, run: Run, theme: Theme) -> NDArray[np.uint8]:
+def wing_colours(frame: Frame, theme: Theme, limit: float) -> NDArray[np.uint8]:
     """Colours (n, 2, 3) of the wing's segments, by pressure jump."""
-    colours = theme.pressure.symmetric(frame.pressure, run.ranges.pressure)
+    colours = theme.pressure.symmetric(frame.pressure, limit)
     return np.repeat(linear(colours)[:, None], 2, axis=1)
 
 
@@ -81,11 +81,15 @@ class Look:
         prefix: in front of the names of its layers.
         colour: of its wing; None to show the pressure instead.
         shape: of its vortices.
+        width: of its wing, pixels.
+        lift: how far its wing lies above the other's, chords.
     """
 
     prefix: str
     colour: Rgb | None
     shape: str
+    width: float = 7.0
+    lift: float = 0.0
 
 
 def looks(count: int, theme: Theme) -> list[Look]:
@@ -93,20 +97,21 @@ def looks(count: int, theme: Theme) -> list[Look]:
     if count == 1:
         return [Look("", None, "circle")]
     first, second = (rgb(colour) for colour in theme.runs)
-    return [Look("", first, "circle"), Look("/second", second, "diamond")]
+    # A thin line over a thick one: both can be seen where they agree.
+    return [Look("", first, "circle", 10.0), Look("/second", second, "diamond", 4.0, 0.005)]
 
 
 class Actor:
     """The layers of one result in one browser: built once, moved from frame to frame."""
 
-    def __init__(self, scene: Any, run: Run, look: Look, theme: Theme, limit: float) -> None:
-        self.run, self.look, self.theme, self.limit = run, look, theme, limit
+    def __init__(self, scene: Any, run: Run, look: Look, theme: Theme, ranges: Ranges) -> None:
+        self.run, self.look, self.theme, self.ranges = run, look, theme, ranges
         frame = run.frame(0)
         lines, colour = scene.add_line_segments, look.colour
         faint = theme.faint if colour is None else colour
         screen = {"thickness_units": "screen"}
         name = look.prefix
-        self.wing = lines(f"{name}/wing", self._wing(frame), self._wing_colours(frame), thickness=7.0, **screen)
+        self.wing = lines(f"{name}/wing", self._wing(frame), self._wing_colours(frame), thickness=look.width, **screen)
         self.layers = {
             "ghost": lines(f"{name}/ghost", polyline(frame.chord, GHOST), faint, thickness=2.0, **screen),
             "force": lines(f"{name}/force", self._force(frame), colour or theme.force, thickness=3.0, **screen),
@@ -134,8 +139,8 @@ class Actor:
         for name, handle in self.layers.items():
             visible = shown[name] and (name != "wake" or len(frame.wake) > 0)
             if visible and name == "wake":
-                handle.points = wake_points(frame, self.limit)
-                handle.colors = self.theme.circulation.symmetric(frame.circulation, self.limit)
+                handle.points = wake_points(frame, self.ranges.circulation)
+                handle.colors = self.theme.circulation.symmetric(frame.circulation, self.ranges.circulation)
             elif visible and name == "ghost":
                 handle.points = polyline(frame.chord, GHOST)
             elif visible:
@@ -145,21 +150,21 @@ class Actor:
         return frame
 
     def _wing(self, frame: Frame) -> NDArray[np.float32]:
-        return polyline(frame.nodes, WING)
+        return polyline(frame.nodes, WING - self.look.lift)
 
     def _wing_colours(self, frame: Frame) -> NDArray[np.uint8]:
         if self.look.colour is None:
-            return wing_colours(frame, self.run, self.theme)
+            return wing_colours(frame, self.theme, self.ranges.pressure)
         colour = linear(np.array(self.look.colour, dtype=np.uint8))
         return np.full((len(frame.pressure), 2, 3), colour)
 
     def _force(self, frame: Frame) -> NDArray[np.float32]:
         middle = frame.nodes[len(frame.nodes) // 2]
-        return arrows(middle[None], frame.force[None] * (FORCE_CHORDS / self.run.ranges.force), FORCE, 0.12)
+        return arrows(middle[None], frame.force[None] * (FORCE_CHORDS / self.ranges.force), FORCE, 0.12)
 
     def _velocity(self, frame: Frame) -> NDArray[np.float32]:
         picked = _stations(len(frame.nodes))
-        vectors = frame.velocity[picked] * (VELOCITY_CHORDS / self.run.ranges.speed)
+        vectors = frame.velocity[picked] * (VELOCITY_CHORDS / self.ranges.speed)
         return arrows(frame.nodes[picked], vectors, LOAD, 0.05)
 
     def _load(self, frame: Frame) -> NDArray[np.float32]:
@@ -169,19 +174,24 @@ class Actor:
         load = np.outer(frame.pressure, across)
         if len(frame.shear):
             load = load + np.outer(frame.shear, along)
-        return arrows(middles[picked], load[picked] * (LOAD_CHORDS / self.run.ranges.pressure), LOAD, 0.05)
+        return arrows(middles[picked], load[picked] * (LOAD_CHORDS / self.ranges.pressure), LOAD, 0.05)
 
 
-def circulation_limit(runs: list[Run]) -> float:
-    """The circulation (m2/s) at the ends of the colour map: one for all results."""
-    return max((run.ranges.circulation for run in runs if run.has_wake), default=1.0)
+def common_ranges(runs: list[Run]) -> Ranges:
+    """The ranges that hold for all results of a scene."""
+    return Ranges(
+        circulation=max((run.ranges.circulation for run in runs if run.has_wake), default=1.0),
+        pressure=max(run.ranges.pressure for run in runs),
+        force=max(run.ranges.force for run in runs),
+        speed=max(run.ranges.speed for run in runs),
+    )
 
 
 def set_up(scene: Any, runs: list[Run], theme: Theme) -> tuple["Stage", list[Actor]]:
     """Build the scene of one result, or of two over each other."""
-    limit = circulation_limit(runs)
+    ranges = common_ranges(runs)
     shown = zip(runs, looks(len(runs), theme), strict=True)
-    return Stage(scene, runs[0], theme), [Actor(scene, run, look, theme, limit) for run, look in shown]
+    return Stage(scene, runs[0], theme), [Actor(scene, run, look, theme, ranges) for run, look in shown]
 
 
 def _stations(count: int) -> NDArray[np.intp]:

@@ -78,11 +78,12 @@ class Session:
             self.panel.grow()
             if self.playback.follow:
                 self.playback.position = float(self.run.frames - 1)
-            self._build()
+                self.playback.follow = self.run.live
+            if self._surveys != [run.surveys for run in self.runs]:
+                self._build()
+                self.view.fit(self.run.box)
             self.charts.show(self.playback, again=True)
-            if not self.run.live:
-                self.playback.follow = False
-            self.panel.show(self.playback)
+            self.show()
 
     def show(self) -> None:
         """Show the frame where playback is."""
@@ -177,6 +178,7 @@ class Session:
         """Build the scene anew: for another theme, or for ranges that a growing run has changed."""
         scene = self.client.scene
         scene.reset()
+        self._surveys = [run.surveys for run in self.runs]
         self._picture: Any = None
         self._field_shown = -1
         self.stage, self.actors = set_up(scene, self.runs, self.theme)
@@ -189,7 +191,7 @@ class Session:
 
     def _tell_legend(self) -> None:
         flow = self._flow
-        shown = field.scale(self.playback.background, self.theme, self.fields.limits(flow)) if flow else None
+        shown = field.bar(self.playback.background, self.theme, self.fields.limits(flow)) if flow else None
         self.panel.legend.content = legend(self.runs, self.theme, shown)
 
     def _tell_time(self, index: int) -> str:
