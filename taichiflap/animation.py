@@ -162,7 +162,9 @@ class Film:
     def _draw_ground(self, result: Result, slower: float, width: float, height: float, right: float) -> None:
         figure, axes, chord = self._figure, self._axes, self.chord
         title = f"{scene.label(result)}   ({result.case.solver.upper()}, {slower:.0f} times slower than life)"
-        figure.text(0.5, 1.0 - 26.0 / height, title, ha="center", va="center", fontsize=11, color=THEME.muted)
+        figure.text(
+            0.5, 1.0 - 26.0 / height, title, ha="center", va="center", fontsize=11, color=THEME.muted, parse_math=False
+        )
         sway = result.case.motion.plunge.amplitude
         axes.plot([-sway, sway], [0.0, 0.0], color=THEME.muted, linewidth=0.8, linestyle=(0, (5, 4)))
         left, _, bottom, top = self.shared.page

@@ -48,7 +48,7 @@ def standing_in(path: Path) -> Iterator[Path]:
         yield draft
         os.replace(draft, path)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise OutputError(f"{path}: cannot be written: {error.strerror or str(error).splitlines()[0]}") from None
     finally:
         with contextlib.suppress(OSError):
             draft.unlink()

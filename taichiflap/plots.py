@@ -42,10 +42,10 @@ _STYLE: Any = {
     "axes.linewidth": 0.6,
     "axes.spines.right": False,
     "axes.spines.top": False,
-    "lines.linewidth": 1.3,
     "legend.fontsize": 7.5,
     "legend.frameon": False,
     "svg.hashsalt": "taichiflap",
+    "text.parse_math": False,
     "text.color": palette.LIGHT.ink,
     "axes.labelcolor": palette.LIGHT.ink,
     "axes.edgecolor": palette.LIGHT.muted,
@@ -92,17 +92,19 @@ def summary(results: Sequence[Result]) -> Figure:
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(WIDTH, 4.9), layout="constrained")
         axes = list(figure.subplots(2, 2, sharex=True).flat)
-        handles = []
+        handles, names = [], _names(results)
         for number, result in enumerate(results):
             colour = palette.LINES[number % len(palette.LINES)]
             frames = scene.last_beats(result)
             turns = result.time[frames] * result.case.motion.frequency
             turns = turns - round(turns[-1]) + 1.0
             for ax, (_, series) in zip(axes, PANELS, strict=True):
-                for name, (_, line) in zip(series, STYLES, strict=False):
-                    part: Any = {} if line == "-" else {"linewidth": 1.0}
-                    ax.plot(turns, 1e3 * getattr(result, name)[frames], line, color=colour, **part)
-            handles.append(Line2D([], [], color=colour, label=_legend(result, frames)))
+                for variable, (_, line) in zip(series, STYLES, strict=False):
+                    width = 1.3 if line == "-" else 1.0
+                    ax.plot(turns, 1e3 * getattr(result, variable)[frames], line, color=colour, linewidth=width)
+            mean = 1e3 * float(np.mean(result.force_vertical[frames[1:]]))
+            name = f"{names[number]} ({result.case.solver.upper()}, mean vertical force {mean:.2f} mN)"
+            handles.append(Line2D([], [], color=colour, label=name))
         for letter, ax, (label, series) in zip("abcd", axes, PANELS, strict=True):
             _shade(ax, results[0])
             ax.set(ylabel=label, xlim=(0.0, 1.0))
@@ -126,9 +128,10 @@ def wing(result: Result) -> Figure:
     Raises:
         SceneError: when the result has no whole beat.
     """
-    beat = scene.last_beats(result)
-    chosen = beat[np.rint(np.linspace(0, len(beat) - 1, INSTANTS + 1)).astype(int)[:-1]]
+    stored = scene.last_beats(result)
+    chosen = stored[np.rint(np.linspace(0, len(stored) - 1, INSTANTS + 1)).astype(int)[:-1]]
     frames = [scene.frame(result, int(index)) for index in chosen]
+    beat = round(frames[0].beats)
     chord = result.case.wing.chord
     shared = scene.bounds(frames, chord)
     dotted = any(len(frame.wake) for frame in frames)
@@ -145,7 +148,7 @@ def wing(result: Result) -> Figure:
             dots = _draw_wake(ax, frame, shared, sum(len(f.wake) for f in frames) > MANY_DOTS) if dotted else None
             _draw_wing(ax, frame)
             ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-            ax.set_title(f"t/T = {frame.beats % 1.0:.3f}", fontsize=8, pad=3)
+            ax.set_title(f"t/T = {round(frame.beats - beat, 3):.3f}", fontsize=8, pad=3)
             arrows = (_draw_load if dots is None else _draw_force)(ax, frame, shared, chord)
         figure.supxlabel("Along the stroke, Z (mm)", fontsize=8)
         figure.supylabel("Up, −Y (mm)", fontsize=8)
@@ -158,7 +161,7 @@ def wing(result: Result) -> Figure:
             )
             bar.set_label("Circulation of wake vortices, Γ (m² s⁻¹)\npositive counter-clockwise")
             bar.outline.set_linewidth(0.4)
-        title = f"{scene.label(result)}: beat {round(frames[-1].beats + 0.5)}"
+        title = f"{scene.label(result)}: beat {beat + 1}"
         figure.text(0.01, head, title, va="center", fontsize=8.5)
         axes[0, 0].quiverkey(
             arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}
@@ -166,9 +169,12 @@ def wing(result: Result) -> Figure:
     return figure
 
 
-def _legend(result: Result, frames: np.ndarray) -> str:
-    mean = 1e3 * float(np.mean(result.force_vertical[frames[1:]]))
-    return f"{scene.label(result)} ({result.case.solver.upper()}, mean vertical force {mean:.2f} mN)"
+def _names(results: Sequence[Result]) -> list[str]:
+    """Titles of the results, with their files' names where titles alone would not tell them apart."""
+    names = [scene.label(result) for result in results]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{name}, {outputs.place(result, None)}" for name, result in zip(names, results, strict=True)]
 
 
 def _shade(ax: Any, result: Result) -> None:

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 OUTLYING = 0.003
 """Share of the wake that may lie beyond either edge of the page."""
+SLENDER = 0.4
+"""The page's short side is at least so much of the long one."""
 MARGIN = 0.3
 """Free space around what is drawn, chords."""
 REACH = 1.0
@@ -90,7 +92,7 @@ def last_beats(result: Result, beats: int = 1) -> NDArray[np.intp]:
     """Indices of the frames of the last whole beats, the first of them and the last included.
 
     Raises:
-        SceneError: when the run has not got so far, or has failed there.
+        SceneError: when the run has not got so far, has failed there, or stores hardly any frames.
     """
     turns = result.time * result.case.motion.frequency
     whole = math.floor(round(float(turns[-1]), 9)) if len(turns) else 0
@@ -98,6 +100,8 @@ def last_beats(result: Result, beats: int = 1) -> NDArray[np.intp]:
         raise SceneError(f"{result.path or label(result)}: has no whole beat yet, so there is nothing to draw")
     beats = min(beats, whole)
     frames = np.flatnonzero((turns >= whole - beats - 1e-9) & (turns <= whole + 1e-9))
+    if len(frames) < 2:
+        raise SceneError(f"{result.path or label(result)}: stores too few frames a beat to draw; see output.every")
     if not np.isfinite(result.file["force_normal"][frames[0] : frames[-1] + 1]).all():
         raise SceneError(
             f"{result.path or label(result)}: the run failed in its last beats, so there is nothing to draw"
@@ -141,8 +145,10 @@ def bounds(frames: list[Frame], chord: float) -> Bounds:
         shown.append(np.quantile(wake, (OUTLYING, 1.0 - OUTLYING), axis=0))
     else:
         shown += [f.middles + f.traction * REACH * chord / traction for f in frames]
-    low = np.min(np.concatenate(shown), axis=0) - MARGIN * chord
-    high = np.max(np.concatenate(shown), axis=0) + MARGIN * chord
+    low, high = np.min(np.concatenate(shown), axis=0), np.max(np.concatenate(shown), axis=0)
+    middle, half = 0.5 * (high + low), 0.5 * (high - low) + MARGIN * chord
+    half = np.maximum(half, SLENDER * half.max())
+    low, high = middle - half, middle + half
     return Bounds(
         page=(float(low[0]), float(high[0]), float(low[1]), float(high[1])),
         circulation=limit,
