@@ -109,7 +109,7 @@ def summary(results: Sequence[Result]) -> Figure:
             _shade(ax, results[0])
             ax.set(ylabel=label, xlim=(0.0, 1.0))
             ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
-            ax.annotate(f"({letter})", (0.0, 1.0), (-34, 4), "axes fraction", "offset points", fontweight="bold")
+            ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
             if len(series) > 1:
                 # Above the tallest line, so that the key crosses none of them.
                 low, high = ax.get_ylim()

@@ -1,0 +1,201 @@
+"""Figures: they show the file's numbers, say what they show with units, and every colour keeps its promise."""
+
+import re
+import subprocess
+import sys
+
+import matplotlib.collections
+import numpy as np
+import pytest
+from conftest import CASES, hawkmoth
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.quiver import QuiverKey
+from matplotlib.text import Text
+
+import taichiflap
+from taichiflap import cli, metrics, palette, plots, scene
+from taichiflap.errors import UserError
+
+
+@pytest.fixture(scope="module")
+def lattice(tmp_path_factory):
+    """A result of UVLM with a beat of wake, in a file."""
+    path = tmp_path_factory.mktemp("plots") / "lattice.h5"
+    return taichiflap.simulate(hawkmoth("time.periods=2", "time.steps_per_period=80", "uvlm.panels=20"), path)
+
+
+@pytest.fixture(scope="module")
+def blades(tmp_path_factory):
+    """A result of DBET, in a file, with a title that would be mathematics to matplotlib."""
+    case = taichiflap.load_case(CASES / "hawkmoth_dbet.toml", ("time.periods=2", 'title="a $x$ wing"'))
+    return taichiflap.simulate(case, tmp_path_factory.mktemp("plots") / "blades.h5")
+
+
+def texts(figure):
+    """All text that is seen in a figure, drawn; an axis also holds ticks beyond its ends, which are not."""
+    FigureCanvasAgg(figure).draw()
+    beyond = [
+        tick.label1
+        for ax in figure.axes
+        for axis in (ax.xaxis, ax.yaxis)
+        for tick in axis.get_major_ticks()
+        if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
+    ]
+    keys = [key.text for key in figure.findobj(QuiverKey)]
+    return [
+        text for text in (*figure.findobj(Text), *keys) if text.get_text() and text.get_visible() and text not in beyond
+    ]
+
+
+def test_the_summary_holds_the_last_beat_of_both_results(lattice, blades):
+    figure = plots.summary([lattice, blades])
+    for ax, (label, series) in zip(figure.axes, plots.PANELS, strict=True):
+        assert ax.get_ylabel() == label
+        drawn = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) > 2]
+        expected = [
+            1e3 * getattr(result, name)[scene.last_beats(result)] for result in (lattice, blades) for name in series
+        ]
+        assert len(drawn) == len(expected)
+        for ours, theirs in zip(drawn, expected, strict=True):
+            np.testing.assert_array_equal(ours, theirs)
+        assert ax.get_xlim() == (0.0, 1.0)
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert ["UVLM" in name for name in names] == [True, False]
+    assert "a $x$ wing" in names[1]
+    mean = metrics.summarise(lattice).force_vertical.mean
+    assert f"mean vertical force {1e3 * mean:.2f} mN" in names[0]
+
+
+def test_results_of_one_title_are_told_apart_by_their_files(lattice, tmp_path):
+    other = taichiflap.simulate(lattice.case, tmp_path / "again.h5")
+    names = [text.get_text() for text in plots.summary([lattice, other]).legends[0].get_texts()]
+    assert ("lattice" in names[0], "again" in names[1]) == (True, True)
+
+
+def test_the_wing_figure_holds_the_wake_at_its_instants(lattice):
+    figure = plots.wing(lattice)
+    axes = [ax for ax in figure.axes if ax.get_title()]
+    assert [ax.get_title() for ax in axes] == [f"t/T = {k / 8:.3f}" for k in range(8)]
+    for k, ax in enumerate(axes):
+        index = 80 + 10 * k
+        (dots,) = [c for c in ax.collections if isinstance(c, matplotlib.collections.PathCollection)]
+        wake = lattice.wake(index)
+        assert len(wake["y"]) == index + 1
+        order = np.argsort(np.abs(wake["circulation"]))
+        np.testing.assert_allclose(dots.get_offsets(), 1e3 * np.stack((wake["z"], -wake["y"]), 1)[order], rtol=1e-6)
+        np.testing.assert_array_equal(dots.get_array(), wake["circulation"][order])
+        assert dots.norm.vmin == -dots.norm.vmax
+        nodes = lattice.frame("node_position", index)
+        np.testing.assert_allclose(ax.lines[0].get_xydata(), 1e3 * np.stack((nodes[:, 1], -nodes[:, 0]), 1))
+    words = " ".join(text.get_text() for text in texts(figure))
+    for phrase in ("m² s⁻¹", "Z (mm)", "−Y (mm)", "mN, force of the fluid", "counter-clockwise", "beat 2"):
+        assert phrase in words
+
+
+def test_blades_show_the_load_along_the_chord(blades):
+    figure = plots.wing(blades)
+    words = " ".join(text.get_text() for text in texts(figure))
+    assert ("Pa, force of the fluid per area" in words, "Circulation" in words) == (True, False)
+    index = scene.last_beats(blades)[25]
+    frame = scene.frame(blades, int(index))
+    total = (frame.traction * (blades.case.wing.chord / 50) * blades.case.wing.span).sum(axis=0)
+    np.testing.assert_allclose(total, frame.force, rtol=1e-5)
+
+
+def test_no_text_leaves_the_page_or_meets_another(lattice, blades):
+    for figure in (plots.summary([lattice, blades]), plots.wing(lattice), plots.wing(blades)):
+        found = texts(figure)
+        boxes = [text.get_window_extent() for text in found]
+        page = figure.bbox
+        for text, box in zip(found, boxes, strict=True):
+            inside = page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1
+            assert inside or not text.get_in_layout(), text
+        for a in range(len(boxes)):
+            for b in range(a):
+                assert not boxes[a].shrunk(0.98, 0.9).overlaps(boxes[b].shrunk(0.98, 0.9)), (found[a], found[b])
+
+
+def test_a_rigid_wing_that_only_pitches_is_drawn(tmp_path):
+    case = hawkmoth("wing.modes=0", "motion.plunge.amplitude=0.0", "time.periods=1", "time.steps_per_period=50")
+    result = taichiflap.simulate(case)
+    assert not [t for t in texts(plots.summary([result])) if "stroke to" in t.get_text()]
+    assert len(plots.plot([result], tmp_path / "rigid")) == 4
+
+
+def test_reversals_are_where_the_plunge_turns(lattice):
+    turns = scene.reversals(lattice.case, 0.0, 1.0)
+    np.testing.assert_allclose(turns, [0.0, 0.5, 1.0])
+    for turn in turns:
+        assert metrics.after_reversal(lattice.case, turn) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_plot_writes_figures_that_name_no_machine(lattice, blades, tmp_path, capsys):
+    cli.app(["plot", str(lattice.path), str(blades.path), "-o", str(tmp_path)], standalone_mode=False)
+    names = {f"lattice-{name}.{kind}" for name in ("summary", "wing") for kind in ("png", "svg")}
+    assert {file.name for file in tmp_path.iterdir()} == names
+    assert len(capsys.readouterr().out.splitlines()) == 4
+    for file in tmp_path.iterdir():
+        content = file.read_bytes()
+        assert str(tmp_path.parent).encode() not in content
+        assert len(content) < 1_500_000
+    drawing = (tmp_path / "lattice-summary.svg").read_text()
+    assert set(re.findall(r"<!-- (.*?) -->", drawing)) >= {label for label, _ in plots.PANELS}
+    with pytest.raises(UserError, match="--overwrite"):
+        plots.plot([lattice], tmp_path / "lattice")
+    assert {file.name for file in tmp_path.iterdir()} == names
+
+
+@pytest.mark.parametrize(
+    ("arguments", "phrase"),
+    [
+        (["absent.h5"], "absent.h5: no such file"),
+        (["{file}", "absent.h5"], "absent.h5: no such file"),
+        (["{file}", "-o", "no/such/stem"], "no/such is not a folder"),
+    ],
+)
+def test_a_figure_that_cannot_be_drawn_gets_a_sentence(arguments, phrase, lattice, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UserError, match=re.escape(phrase)):
+        cli.app(["plot", *(a.format(file=lattice.path) for a in arguments)], standalone_mode=False)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_map_is_even_about_zero_and_told_apart_by_everyone():
+    """Deuteranopia, protanopia and tritanopia as linear maps of linear RGB (Machado, Oliveira & Fernandes 2009)."""
+    blindness = {
+        "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    }
+    for theme in (palette.LIGHT, palette.DARK):
+        table = palette.table(theme) / 255.0
+        linear = np.where(table <= 0.04045, table / 12.92, ((table + 0.055) / 1.055) ** 2.4)
+        lightness = palette._oklab(table)[:, 0]
+        steps = np.diff(lightness) * (1 if theme is palette.LIGHT else -1)
+        half = palette.LEVELS // 2
+        assert np.all(steps[:half] > -0.003)
+        assert np.all(steps[half:] < 0.003)
+        assert abs(lightness[: half + 1] - lightness[half:][::-1]).max() < 0.12
+        for matrix in blindness.values():
+            seen = np.clip(linear @ np.array(matrix).T, 0.0, 1.0)
+            seen = palette._oklab(np.where(seen <= 0.0031308, 12.92 * seen, 1.055 * seen ** (1 / 2.4) - 0.055))
+            apart = np.linalg.norm(seen - seen[::-1], axis=1)
+            assert apart[: half - half // 4].min() > 0.06
+
+
+def test_colours_follow_the_values():
+    table = palette.table()
+    np.testing.assert_array_equal(palette.colours([-9.0, -1.0, 0.0, 1.0, 9.0], 1.0), table[[0, 0, 128, 256, 256]])
+    assert len(set(map(int, table[128]))) == 1
+    assert palette.symmetric_limit([]) == palette.symmetric_limit([0.0]) == 1.0
+    assert palette.symmetric_limit([-3.0, 0.1, 2.9]) == 3.0
+    assert palette.symmetric_limit([0.01] * 99 + [5.0]) == pytest.approx(0.01)
+
+
+def test_help_does_not_load_matplotlib():
+    script = "import sys, taichiflap.cli as c\ntry: c.app([{!r}, '--help'])\nexcept SystemExit: pass\nsys.exit(" + (
+        "'matplotlib' in sys.modules or 'h5py' in sys.modules)"
+    )
+    for command in ("plot", "export"):
+        ran = subprocess.run([sys.executable, "-c", script.format(command)], capture_output=True, check=False)
+        assert ran.returncode == 0
