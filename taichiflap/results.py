@@ -280,15 +280,15 @@ class Result:
         """Look again at a file that is still being written, or that has got its final name since.
 
         Raises:
-            ResultError: when it cannot be read just now, for instance in the middle of a write; the result then
-                stays as it was.
+            ResultError: when it cannot be read just now, for instance in the middle of a write; the result is
+                closed until a later `refresh` succeeds.
         """
         if self.path is None:
             return
-        path = self.path if self.path.exists() else self.path.with_name(self.path.name.removesuffix(PART))
-        latest = open_result(path)
+        # First: HDF5 would lend what it remembers of an open file to the next to open it.
         self.file.close()
-        vars(self).update(vars(latest))
+        path = self.path if self.path.exists() else self.path.with_name(self.path.name.removesuffix(PART))
+        vars(self).update(vars(open_result(path)))
 
     def _dataset(self, name: str) -> Any:
         if name not in self._open:

@@ -195,17 +195,16 @@ def _labels(paths: Sequence[Path]) -> list[str]:
 
 def _free_port(host: str, port: int) -> int:
     """The first port from `port` on that nobody listens at."""
+    if not 1 <= port <= 65535:
+        raise ViewError(f"no such port: {port}")
+    problem = ""
     for candidate in range(port, min(port + PORTS, 65536)):
         try:
             with socket.create_server((host, candidate)):
                 return candidate
         except OSError as error:
-            last = error
-        except OverflowError:
-            break
-    else:
-        raise ViewError(f"cannot listen at {host}, ports {port} to {port + PORTS - 1}: {last.strerror}")
-    raise ViewError(f"no such port: {port}")
+            problem = str(error.strerror)
+    raise ViewError(f"cannot listen at {host}, port {port} or the next {PORTS}: {problem}")
 
 
 def view(

@@ -17,6 +17,9 @@ from taichiflap.results import ResultError
 
 Array = NDArray[np.floating]
 
+UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
+"""What HDF5 says of a file that changes under its reader, or that is closed until the next look."""
+
 CACHE_BYTES = 2**25
 SAMPLES = 12
 """Frames looked at to choose the ranges of colours and the first view."""
@@ -130,10 +133,13 @@ class Run:
             before = self.frames, self.status
             try:
                 self.result.refresh()
+                # What was read from the file's end while it was being written is not to be trusted.
+                self._cache.clear()
+                self._held = 0
                 if (self.result.frames, self.result.status) == before:
                     return False
                 self._load()
-            except (ResultError, OSError, RuntimeError, KeyError):
+            except (ResultError, *UNREADABLE):
                 return False
             return True
 
@@ -181,7 +187,10 @@ class Run:
             if index in self._cache:
                 self._cache.move_to_end(index)
                 return self._cache[index]
-            frame = self._read(index)
+            try:
+                frame = self._read(index)
+            except UNREADABLE as error:
+                raise OSError(f"frame {index} cannot be read: {error}") from None
             self._cache[index] = frame
             self._held += frame.size
             while self._held > CACHE_BYTES and len(self._cache) > 1:

@@ -86,8 +86,8 @@ class Session:
             self.show()
 
     def show(self) -> None:
-        """Show the frame where playback is."""
-        with self._lock, self.client.atomic():
+        """Show the frame where playback is; one that is being written just now is left for later."""
+        with self._lock, self.client.atomic(), contextlib.suppress(OSError):
             index = self.playback.frame
             for actor in self.actors:
                 here = index if actor.run is self.run else actor.run.index_at(index / self.run.frames_per_beat)

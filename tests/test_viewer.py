@@ -1,0 +1,238 @@
+"""The viewer without a browser: frames, playback, colours, comparison, flow, and what it says when it cannot start."""
+
+import socket
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import viser
+from conftest import hawkmoth
+from taichiflap_viewer import Viewer, ViewError, camera, compare, field, timeline
+from taichiflap_viewer.colours import DARK, LIGHT, linear
+from taichiflap_viewer.frames import Run
+from taichiflap_viewer.session import opening
+
+import taichiflap
+from taichiflap import open_result
+from taichiflap.results import ResultError, Writer, part
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Two beats of the hawkmoth by each model, and of one with three modes."""
+    path = tmp_path_factory.mktemp("results")
+    for name, settings in (("uvlm", []), ("dbet", ["solver=dbet"]), ("modes", ["wing.modes=3"])):
+        taichiflap.simulate(hawkmoth("time.periods=2", *settings), path / f"{name}.h5").close()
+    return path
+
+
+@pytest.fixture
+def run(folder):
+    opened = Run(open_result(folder / "uvlm.h5"), "uvlm")
+    yield opened
+    opened.close()
+
+
+def test_a_frame_is_the_files_in_chords_with_lift_upwards(run):
+    frame, chord = run.frame(250), run.chord
+    nodes, wake = run.result.node_position[250], run.result.wake(250)
+    np.testing.assert_allclose(frame.nodes, np.stack((nodes[:, 1], -nodes[:, 0]), axis=1) / chord, rtol=1e-6)
+    np.testing.assert_allclose(frame.wake, np.stack((wake["z"], -wake["y"]), axis=1) / chord, rtol=1e-6)
+    np.testing.assert_array_equal(frame.circulation, wake["circulation"])
+    np.testing.assert_array_equal(frame.force, [run.result.force_z[250], run.result.force_vertical[250]])
+
+
+def test_velocity_of_the_nodes_is_that_of_their_positions(run):
+    before, now, after = (run.frame(index) for index in (249, 250, 251))
+    measured = (after.nodes - before.nodes) * run.chord / (2.0 * run.case.step)
+    assert np.abs(now.velocity - measured).max() < 0.01 * np.abs(measured).max()
+
+
+def test_frames_are_read_one_at_a_time(run, monkeypatch):
+    monkeypatch.setattr(type(run.result), "__getattr__", lambda self, name: pytest.fail(f"{name} was read whole"))
+    assert run.frame(17).index == 17
+
+
+def test_beats_and_half_strokes(run):
+    assert run.beat_of(0) == (1, 0.0)
+    assert run.beat_of(200) == (2, 0.0)
+    assert run.beat_of(400) == (2, 1.0)
+    assert list(run.reversals()) == [0, 100, 200, 300, 400]
+    assert (run.half_stroke(50), run.half_stroke(150)) == ("half-stroke to the left", "half-stroke to the right")
+    assert run.frame(51).nodes[0, 0] < run.frame(49).nodes[0, 0]
+
+
+def test_playback_goes_round_its_loop(run):
+    playback = opening([run])
+    assert (playback.frame, playback.playing) == (400, True)
+    playback.speed = 1.0
+    timeline.advance(run, playback, 0.5)
+    assert playback.frame == 300
+    timeline.advance(run, playback, 0.75)
+    assert playback.frame == 250
+    playback.loop = timeline.ALL
+    timeline.advance(run, playback, 1.0)
+    assert playback.frame == 50
+    timeline.step(run, playback, -1)
+    assert (playback.frame, playback.playing) == (49, False)
+    assert timeline.next_reversal(run, playback, forward=True) == 100
+    assert timeline.next_reversal(run, playback, forward=False) == 0
+
+
+def test_colours_are_symmetric_and_keep_off_the_background():
+    for theme in (LIGHT, DARK):
+        for colours in (theme.circulation, theme.pressure):
+            low, middle, high = colours.symmetric(np.array([-9.0, 0.0, 9.0]), 2.0).astype(int)
+            np.testing.assert_array_equal([low, high], [colours.table[0], colours.table[-1]])
+            assert np.abs(middle - theme.background).max() > 25
+    np.testing.assert_array_equal(linear(np.array([0, 188, 255], dtype=np.uint8)), [0, 128, 255])
+
+
+def test_the_flow_is_the_solvers_and_its_vorticity_holds_the_circulation(run):
+    fields = field.Fields(run)
+    flow = fields.ask(300).result()
+    fields.close()
+    frame = run.frame(300)
+    left, bottom, right, top = flow.box * run.chord
+    cell = (right - left) * (top - bottom) / flow.vorticity.size
+    inside = np.all((frame.wake > flow.box[:2]) & (frame.wake < flow.box[2:]), axis=1)
+    total = frame.circulation[inside].sum() + frame.bound.sum()
+    scale = np.abs(frame.circulation).sum()
+    assert abs(flow.vorticity.sum() * cell - total) < 0.05 * scale
+    strongest = frame.wake[np.argmax(np.abs(frame.circulation))]
+    place = ((strongest - flow.box[:2]) / (flow.box[2:] - flow.box[:2]) * flow.vorticity.shape[::-1]).astype(int)
+    assert np.sign(flow.vorticity[place[1], place[0]]) == np.sign(
+        frame.circulation[np.argmax(np.abs(frame.circulation))]
+    )
+
+
+def test_differences_are_those_of_the_summaries(folder, run):
+    other = Run(open_result(folder / "dbet.h5"), "dbet")
+    found = {one.name: one for one in compare.differences(run, other)}
+    first, second = run.summary(), other.summary()
+    vertical = found["vertical force, mean"]
+    assert (vertical.first, vertical.second) == (1e3 * first.force_vertical.mean, 1e3 * second.force_vertical.mean)
+    assert vertical.relative == pytest.approx(100.0 * (vertical.second / vertical.first - 1.0))
+    phase = found["normal force, phase"]
+    turn = phase.second - phase.first - (second.force_normal_phase - first.force_normal_phase)
+    assert turn % 360.0 == pytest.approx(0.0, abs=1e-9) or turn % 360.0 == pytest.approx(360.0)
+    assert abs(phase.second - phase.first) <= 180.0
+    assert "against" in list(compare.text(run, other))[2]
+    other.close()
+
+
+def test_a_growing_file_is_followed_to_its_final_name(tmp_path, run):
+    case = run.case
+    writer = Writer(case, tmp_path / "run.h5", [])
+    result = run.result
+    writer.lay_out(result.file["node"][...], _Section(result))
+    blocks = [_block(result, *span) for span in ((0, 100), (100, 220), (220, 401))]
+    writer.append(blocks[0])
+    script = (
+        "import sys; from taichiflap import open_result; from taichiflap_viewer.frames import Run\n"
+        "run = Run(open_result(sys.argv[1]), 'run'); print(run.frames, run.status, flush=True)\n"
+        "while run.live:\n"
+        "    input(); run.refresh()\n"
+        "    print(run.frames, run.status, run.frame(run.frames - 1).wake.shape[0], flush=True)\n"
+    )
+    command = [sys.executable, "-c", script, str(tmp_path / "run.h5")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as reader:
+        assert reader.stdout.readline() == "100 running\n"
+        writer.append(blocks[1])
+        print(file=reader.stdin, flush=True)
+        assert reader.stdout.readline() == f"220 running {len(result.wake(219)['y'])}\n"
+        writer.append(blocks[2])
+        writer.finish().close()
+        print(file=reader.stdin, flush=True)
+        assert reader.stdout.readline() == f"401 complete {len(result.wake(400)['y'])}\n"
+
+
+def test_a_half_written_block_is_not_shown(tmp_path, run):
+    """The frames that count are those of which every variable is there."""
+    result = run.result
+    writer = Writer(run.case, tmp_path / "run.h5", [])
+    writer.lay_out(result.file["node"][...], _Section(result))
+    writer.append(_block(result, 0, 100))
+    writer._file["time"].resize(120, axis=0)
+    writer._file.flush()
+    writer.abandon()
+    with open_result(tmp_path / "run.h5") as half:
+        assert (half.frames, len(half.time), len(half.tip_deflection)) == (100, 100, 100)
+
+
+def test_an_empty_leftover_gets_one_sentence(tmp_path, run, monkeypatch):
+    monkeypatch.setattr("taichiflap_viewer.app.BEGIN_SECONDS", -1.0)
+    writer = Writer(run.case, tmp_path / "run.h5", [])
+    writer.lay_out(run.result.file["node"][...], _Section(run.result))
+    writer.abandon()
+    assert part(tmp_path / "run.h5").exists()
+    with pytest.raises(ResultError, match="holds no frame yet"):
+        Viewer([tmp_path / "run.h5"])
+
+
+def test_too_many_files_and_no_such_port_get_one_sentence(folder):
+    with pytest.raises(ViewError, match="one result, or two"):
+        Viewer([folder / "uvlm.h5"] * 3)
+    with pytest.raises(ViewError, match="no such port"):
+        Viewer([folder / "uvlm.h5"], port=70000)
+    with pytest.raises(ViewError, match="cannot listen at 203"):
+        Viewer([folder / "uvlm.h5"], host="203.0.113.1")
+
+
+def test_a_taken_port_gives_way_and_only_this_machine_is_served(folder):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        viewer = Viewer([folder / "uvlm.h5"], port=port)
+        try:
+            assert viewer.port > port
+            assert viewer.address == f"http://127.0.0.1:{viewer.port}"
+            with socket.create_server(("127.0.0.2", viewer.port)):
+                pass  # every address would include this one
+        finally:
+            viewer.stop()
+
+
+@pytest.mark.parametrize("name", ["missing.h5", "foreign.h5", "truncated.h5"])
+def test_a_file_that_cannot_be_shown_gets_one_sentence_and_code_2(folder, tmp_path, name):
+    if name == "foreign.h5":
+        (tmp_path / name).write_text("no HDF5")
+    if name == "truncated.h5":
+        (tmp_path / name).write_bytes((folder / "uvlm.h5").read_bytes()[:4000])
+    command = [sys.executable, "-m", "taichiflap", "view", "--no-browser", str(tmp_path / name)]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert ran.returncode == 2
+    assert ran.stderr.startswith(f"error: {tmp_path / name}: ")
+    assert len(ran.stderr.splitlines()) == 1
+
+
+def test_the_rotation_lock_says_so_where_viser_has_changed():
+    """The one private name of viser that is used: a version without it loses the lock, and nothing else."""
+    assert hasattr(viser._messages, "RunJavascriptMessage")
+
+    class Client:
+        """A browser's handle in a viser without the way in."""
+
+    assert camera.lock_rotation(Client()) is False
+
+
+class _Section:
+    """The elastic modes of a result, as its writer wants them."""
+
+    def __init__(self, result):
+        self.modes = result.modes
+        self.count = len(self.modes["frequency"])
+        self.frequency, self.damping_ratio = self.modes["frequency"], self.modes["damping_ratio"]
+        self.lam, self.psi = self.modes["lambda"], self.modes["psi"]
+
+    def shape(self, nodes):
+        return self.modes["shape"]
+
+
+def _block(result, first, last):
+    block = {name: getattr(result, name)[first:last] for name in result.variables}
+    wakes = [result.wake(index) for index in range(first, last)]
+    block["wake_count"] = np.array([len(wake["y"]) for wake in wakes])
+    block["wake"] = np.stack([np.concatenate([wake[n] for wake in wakes]) for n in ("y", "z", "circulation")])
+    block["wake_birth"] = np.concatenate([wake["birth"] for wake in wakes])
+    return block
