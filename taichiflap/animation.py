@@ -46,7 +46,7 @@ def write_mp4(result: Result, path: Path, beats: int) -> int:
     with outputs.standing_in(path) as draft:
         writer = imageio_ffmpeg.write_frames(
             str(draft), film.size, fps=MP4_RATE, codec="libx264", macro_block_size=2, ffmpeg_log_level="error",
-            output_params=["-crf", "20", "-movflags", "+faststart"], quality=None,
+            output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"], quality=None,
         )  # fmt: skip
         with contextlib.closing(writer):
             writer.send(None)
@@ -105,7 +105,7 @@ class Film:
         self._axes.set_axis_off()
         seconds = len(self.frames) / beats / rate
         self._draw_ground(result, scene.slow_down(result.case, seconds), width, height, margin + inside[0] / width)
-        self._moving = self._movers(height)
+        self._moving = self._movers(height, 72.0 / DPI * pixels * self.chord)
 
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
         """The pictures in turn, RGB, shape (height, width, 3)."""
@@ -131,13 +131,17 @@ class Film:
                 self._figure.draw_artist(artist)
             yield np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
-    def _movers(self, height: float) -> tuple[PathCollection, Polygon, Line2D, Line2D, Text, Annotation]:
+    def _movers(self, height: float, size: float) -> tuple[PathCollection, Polygon, Line2D, Line2D, Text, Annotation]:
+        """What is drawn anew for each frame; `size` is the chord on the page, points."""
         axes = self._axes
+        width = np.clip(0.032 * size, 1.6, 3.6)
         cmap = ListedColormap(palette.table(THEME) / 255.0)
         limits = Normalize(-self.shared.circulation, self.shared.circulation)
-        wake = axes.scatter([], [], c=[], s=16.0, linewidths=0.0, cmap=cmap, norm=limits)
-        (wing,) = axes.plot([], [], color=THEME.ink, linewidth=3.6, solid_capstyle="round")
-        (edge,) = axes.plot([], [], "o", color=THEME.ink, markersize=7.0)
+        wake = axes.scatter(
+            [], [], c=[], s=np.clip(0.035 * size, 2.2, 4.0) ** 2, linewidths=0.0, cmap=cmap, norm=limits
+        )
+        (wing,) = axes.plot([], [], color=THEME.ink, linewidth=width, solid_capstyle="round")
+        (edge,) = axes.plot([], [], "o", color=THEME.ink, markersize=1.9 * width)
         load = Polygon(np.zeros((1, 2)), facecolor=f"{THEME.force}40", edgecolor=THEME.force, linewidth=1.2)
         axes.add_patch(load)
         clock = self._figure.text(

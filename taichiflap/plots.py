@@ -18,6 +18,8 @@ from .results import Result
 
 WIDTH = 7.1
 """Width of a figure across two columns of a journal, inches."""
+POINTS = 72
+"""Points in an inch."""
 RESOLUTION = 300
 INSTANTS = 8
 ARROWS = 9
@@ -135,9 +137,11 @@ def wing(result: Result) -> Figure:
     chord = result.case.wing.chord
     shared = scene.bounds(frames, chord)
     dotted = any(len(frame.wake) for frame in frames)
+    many = sum(len(frame.wake) for frame in frames) > MANY_DOTS
     left, right, bottom, top = (1e3 * edge for edge in shared.page)
     columns = INSTANTS // 2
     cell = (WIDTH - (1.75 if dotted else 0.6)) / columns - 0.1
+    size = POINTS * cell * 1e3 * chord / (right - left)
     height = min(2.0 * cell * (top - bottom) / (right - left) + 1.15, 9.0)
     head = 1.0 - 0.13 / height
     layout = ConstrainedLayoutEngine(compress=True, rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
@@ -145,11 +149,11 @@ def wing(result: Result) -> Figure:
         figure = Figure(figsize=(WIDTH, height), layout=layout)
         axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):
-            dots = _draw_wake(ax, frame, shared, sum(len(f.wake) for f in frames) > MANY_DOTS) if dotted else None
-            _draw_wing(ax, frame)
+            dots = _draw_wake(ax, frame, shared, size, many) if dotted else None
+            _draw_wing(ax, frame, size)
             ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
             ax.set_title(f"t/T = {round(frame.beats - beat, 3):.3f}", fontsize=8, pad=3)
-            arrows = (_draw_load if dots is None else _draw_force)(ax, frame, shared, chord)
+            arrows = (_draw_load if dots is None else _draw_force)(ax, frame, shared, chord, size)
         figure.supxlabel("Along the stroke, Z (mm)", fontsize=8)
         figure.supylabel("Up, −Y (mm)", fontsize=8)
         if dots is None:
@@ -195,36 +199,45 @@ def _shade(ax: Any, result: Result) -> None:
         )  # fmt: skip
 
 
-def _draw_wake(ax: Any, frame: scene.Frame, shared: scene.Bounds, many: bool) -> Any:
+def _draw_wake(ax: Any, frame: scene.Frame, shared: scene.Bounds, size: float, many: bool) -> Any:
+    """Dots that shrink with the page; `size` is the chord on it, points."""
     cmap = ListedColormap(palette.table() / 255.0)
     order = np.argsort(np.abs(frame.circulation))
     return ax.scatter(
-        *(1e3 * frame.wake[order].T), c=frame.circulation[order], s=4.0, linewidths=0.0, cmap=cmap,
+        *(1e3 * frame.wake[order].T), c=frame.circulation[order], cmap=cmap, linewidths=0.0,
+        s=np.clip(0.105 * size, 0.8, 2.0) ** 2,
         norm=Normalize(-shared.circulation, shared.circulation), rasterized=many, zorder=2,
     )  # fmt: skip
 
 
-def _draw_wing(ax: Any, frame: scene.Frame) -> None:
-    ax.plot(*(1e3 * frame.wing.T), color=palette.LIGHT.ink, linewidth=1.6, solid_capstyle="round", zorder=4)
-    ax.plot(*(1e3 * frame.wing[0]), "o", color=palette.LIGHT.ink, markersize=3.0, zorder=4)
+def _draw_wing(ax: Any, frame: scene.Frame, size: float) -> None:
+    width = np.clip(0.085 * size, 0.8, 1.6)
+    ax.plot(*(1e3 * frame.wing.T), color=palette.LIGHT.ink, linewidth=width, solid_capstyle="round", zorder=4)
+    ax.plot(*(1e3 * frame.wing[0]), "o", color=palette.LIGHT.ink, markersize=1.9 * width, zorder=4)
 
 
-def _draw_force(ax: Any, frame: scene.Frame, shared: scene.Bounds, chord: float) -> Any:
-    return _arrows(ax, frame.foot[None, :], frame.force[None, :], shared.force / (scene.REACH * chord), 0.011)
+def _draw_force(ax: Any, frame: scene.Frame, shared: scene.Bounds, chord: float, size: float) -> Any:
+    return _arrows(
+        ax,
+        frame.foot[None, :],
+        frame.force[None, :],
+        shared.force / (scene.REACH * chord),
+        np.clip(0.06 * size, 0.5, 1.1),
+    )
 
 
-def _draw_load(ax: Any, frame: scene.Frame, shared: scene.Bounds, chord: float) -> Any:
+def _draw_load(ax: Any, frame: scene.Frame, shared: scene.Bounds, chord: float, size: float) -> Any:
     """The load along the chord: arrows from the wing to the curve that joins their tips."""
     scale = shared.traction / (scene.REACH * chord)
     feet = frame.middles
     ax.plot(*(1e3 * (feet + frame.traction / scale)).T, color=palette.LIGHT.force, linewidth=0.8, zorder=3)
     chosen = np.unique(np.rint(np.linspace(0, len(feet) - 1, ARROWS)).astype(int))
-    return _arrows(ax, feet[chosen], frame.traction[chosen], scale, 0.006)
+    return _arrows(ax, feet[chosen], frame.traction[chosen], scale, 0.7)
 
 
 def _arrows(ax: Any, feet: np.ndarray, vectors: np.ndarray, scale: float, width: float) -> Any:
-    """Arrows on axes in mm; `scale` is what one metre stands for, `width` in widths of the axes."""
+    """Arrows on axes in mm; `scale` is what one metre stands for, `width` is in points."""
     return ax.quiver(
         *(1e3 * feet).T, *vectors.T, color=palette.LIGHT.force, angles="xy", scale_units="xy", scale=1e-3 * scale,
-        width=width, headwidth=4.0, headlength=5.0, headaxislength=4.5, zorder=5,
+        units="inches", width=width / POINTS, headwidth=4.0, headlength=5.0, headaxislength=4.5, zorder=5,
     )  # fmt: skip
