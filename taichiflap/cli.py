@@ -174,6 +174,48 @@ def init(
 
 
 @app.command()
+def validate(
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="folder for a report with figures  [default: none]")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing report")] = False,
+) -> None:
+    """Hold the solver against exact solutions, row by row; exit code 1 if a row fails."""
+    from .studies import validate as study
+    from .studies import validation_report as report
+
+    if output:
+        report.check_folder(output, overwrite)
+    checks = []
+    for check in study.validate(progress=_pass_by):
+        checks.append(check)
+        _pass_by("")
+        print("\n".join(study.table(check)), flush=True)
+    print(study.verdict(checks))
+    if output:
+        print(*(f"{path} written" for path in report.write(checks, output)), sep="\n")
+    if not all(check.passed for check in checks):
+        raise typer.Exit(1)
+
+
+@app.command()
+def reproduce(
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder for the report, figures and data")] = Path(
+        "reproduction"
+    ),
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="write into a folder that holds files")] = False,
+) -> None:
+    """Redo the paper: a report that lays its numbers and figures beside what is computed here."""
+    from .progress import share
+    from .studies import reproduce as study
+
+    with share("redoing the paper") if sys.stderr.isatty() else nullcontext() as progress:
+        found = study.reproduce(output, overwrite=overwrite, progress=progress)
+    print(*found, sep="\n")
+    print(f"{output / study.REPORT}, {output / study.PAGE} and {output / study.DATA} written")
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON schema of a case file."""
     import json
@@ -187,6 +229,12 @@ def _viewing(path: Path) -> AbstractContextManager[Any]:
     from taichiflap_viewer.beside import Beside
 
     return Beside(path)
+
+
+def _pass_by(text: str) -> None:
+    """Show a line on a terminal that the next one replaces."""
+    if sys.stderr.isatty():
+        print(f"\r\x1b[2K{text}", end="", file=sys.stderr, flush=True)
 
 
 def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overwrite: bool) -> Any:

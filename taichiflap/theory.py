@@ -67,8 +67,8 @@ def oscillating_loads(
     wash = _wash(k, plunge, pitch, axis)
     lift = b * b * (rate**2 * downward + rate * pitch - b * a * rate**2 * pitch)
     lift += 2.0 * b * theodorsen(k) * wash
-    moment = b * b * (
-        b * a * rate**2 * downward - b * (0.5 - a) * rate * pitch - b * b * (0.125 + a * a) * rate**2 * pitch
+    moment = (
+        b * b * (b * a * rate**2 * downward - b * (0.5 - a) * rate * pitch - b * b * (0.125 + a * a) * rate**2 * pitch)
     )
     moment += 2.0 * b * b * (a + 0.5) * theodorsen(k) * wash
     return 2.0 * math.pi * lift, 2.0 * math.pi * moment
@@ -176,9 +176,7 @@ def cantilever_roots(count: int) -> Array:
     )
 
 
-def cantilever_frequencies(
-    count: int, chord: float, thickness: float, density: float, youngs_modulus: float
-) -> Array:
+def cantilever_frequencies(count: int, chord: float, thickness: float, density: float, youngs_modulus: float) -> Array:
     """Natural frequencies (Hz) of a uniform plate clamped along one edge that bends like a beam; SI units.
 
     `f = beta^2/(2 pi c^2) sqrt(E I/m)` with `I = t^3/12` and `m = rho t` a unit width (Blevins 1979, table 8-1).

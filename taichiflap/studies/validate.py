@@ -1,0 +1,71 @@
+"""Every reference that the package is held against, in the order of the report, and the table in print."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+from . import orders, plate, stream, structure
+from .checks import Check, Row
+
+Study = Callable[[], Sequence[Check]]
+
+STUDIES: tuple[tuple[str, Study], ...] = (
+    ("steady lift", lambda: [plate.steady()]),
+    ("camber", lambda: [plate.camber()]),
+    ("Wagner", lambda: [stream.wagner()]),
+    ("Theodorsen and Garrick", stream.oscillation),
+    ("added mass", lambda: [plate.added_mass()]),
+    ("modes", lambda: [structure.modes()]),
+    ("wet frequency", lambda: [structure.wet_frequency()]),
+    ("vortices", lambda: [structure.vortices()]),
+    ("energy", lambda: [structure.energy()]),
+    ("convergence", lambda: [orders.convergence()]),
+)
+"""Studies by the name that a progress line shows."""
+
+HEADINGS = ("Setting", "Measured", "Reference", "Error", "Tolerance", "Verdict")
+
+
+def validate(
+    studies: Sequence[tuple[str, Study]] | None = None, progress: Callable[[str], None] | None = None
+) -> Iterator[Check]:
+    """Run the studies one after the other.
+
+    Args:
+        studies: names and functions, all of them by default.
+        progress: called with a line such as `3 of 10: Wagner` before each.
+    """
+    chosen = STUDIES if studies is None else studies
+    for number, (name, study) in enumerate(chosen, 1):
+        if progress:
+            progress(f"{number} of {len(chosen)}: {name}")
+        yield from study()
+
+
+def table(check: Check) -> list[str]:
+    """The rows of a check as lines of text, under its reference."""
+    cells = [HEADINGS, *(tuple(row_cells(row)) for row in check.rows)]
+    return [check.reference, *(_line(line) for line in cells), ""]
+
+
+def _line(cells: Sequence[str]) -> str:
+    setting, measured, expected, error, tolerance, passed = cells
+    return f"  {setting:<50} {measured:>11} {expected:>11} {error:>19} {tolerance:>9}  {passed}".rstrip()
+
+
+def row_cells(row: Row) -> list[str]:
+    """Setting, both values, error with its unit, tolerance and verdict of a row, as text."""
+    error = f"{row.error:.2g}" if abs(row.error) < 0.01 else f"{row.error:.2f}"
+    return [
+        row.setting,
+        f"{row.measured:.6g}",
+        f"{row.expected:.6g}",
+        f"{error} {row.unit}".strip(),
+        f"{row.tolerance:g}",
+        "pass" if row.passed else "FAIL",
+    ]
+
+
+def verdict(checks: Sequence[Check]) -> str:
+    """How many rows passed, in a sentence."""
+    rows = [row for check in checks for row in check.rows]
+    failed = sum(not row.passed for row in rows)
+    return f"{len(rows) - failed} of {len(rows)} rows pass" + (f", {failed} fail" if failed else "")

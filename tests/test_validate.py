@@ -1,0 +1,130 @@
+"""The validation on reduced settings: its numbers, its verdicts, its report, its command."""
+
+import numpy as np
+import pytest
+from conftest import CASES
+from typer.testing import CliRunner
+
+from taichiflap import cli
+from taichiflap.studies import orders, plate, stream, structure, validate, validation_report
+from taichiflap.studies.checks import Chart, Check, Curve, Row, observed_order
+
+
+def errors(check):
+    """Errors of a check's rows by setting."""
+    return {row.setting: row.error for row in check.rows}
+
+
+def test_steady_plate():
+    check = plate.steady(panels=(10, 50))
+    assert check.passed
+    found = list(errors(check).values())
+    assert max(map(abs, found[:2])) < 1e-7
+    assert found[2] == pytest.approx(-2.03, abs=0.01)
+    assert found[3] == pytest.approx(0.5, abs=1e-6)
+
+
+def test_camber_errs_by_one_over_the_panels():
+    exact = 4 * np.pi * 0.01
+    error = [plate.bent_lift(panels, 0.01, 0.0) / exact - 1 for panels in (10, 50)]
+    assert error == pytest.approx([-0.1, -0.02], abs=2e-3)
+
+
+def test_added_mass():
+    assert list(errors(plate.added_mass(panels=(50,))).values()) == pytest.approx([0.17, -0.68, 0.28, -0.45], abs=0.02)
+
+
+def test_wagner():
+    found = list(errors(stream.wagner(grids=((50, 0.02),))).values())
+    assert found == pytest.approx([0.85, 0.47, 0.17, 0.06, 0.02], abs=0.02)
+
+
+def test_theodorsen_and_garrick():
+    lift, thrust = stream.oscillation(frequencies=(0.5, 2.0), refined=(12, 25))
+    found = errors(lift)
+    assert found["plunge, k = 0.5, amplitude"] == pytest.approx(-0.12, abs=0.02)
+    assert found["plunge, k = 2, phase"] == pytest.approx(-0.45, abs=0.02)
+    assert found["pitch about leading edge, k = 0.5, phase"] == pytest.approx(0.16, abs=0.02)
+    assert found["pitch about quarter chord, k = 2, amplitude"] == pytest.approx(3.17, abs=0.03)
+    assert errors(thrust)["pitch about leading edge, k = 2, no suction"] == pytest.approx(1.39, abs=0.03)
+    for curve in lift.charts[-1].curves:
+        assert curve.y[1] < 0.7 * curve.y[0]
+
+
+def test_structure_and_vortices():
+    for check in (structure.modes(), structure.vortices()):
+        assert check.passed, errors(check)
+    blades, lattice = errors(structure.wet_frequency(panels=(50,))).values()
+    assert abs(blades) < 0.03
+    assert abs(lattice) < 0.1
+
+
+def test_energy_balance_is_of_second_order():
+    check = structure.energy(steps=(200, 400, 800))
+    assert check.passed, errors(check)
+
+
+def test_orders_of_the_blade_elements():
+    for study in (orders.blade_steps, orders.elements, orders.modes):
+        row, chart = study()
+        assert row.passed, row
+        assert len(chart.curves) == 2
+
+
+def test_observed_order():
+    assert observed_order([1, 0.5, 0.25], [3.0, 0.75, 0.1875]) == pytest.approx(2.0)
+    assert Row.order("better than expected is no error", 3.0, 2.0).error == 0.0
+
+
+def test_what_is_not_finite_does_not_pass():
+    assert not Row.relative("blown up", float("nan"), 1.0, 3.0).passed
+
+
+def made(measured):
+    """A check of one row, and a chart."""
+    x = np.array([1.0, 2.0])
+    chart = Chart("Error <against> panels", "Panels", "Error (%)", (Curve("a", x, x / 10), Curve("b", x, x)), "xy")
+    return Check(
+        "made", "A <reference>", "From | a book.", (Row.relative("half | of it", measured, 1.0, 1.0),), (chart,)
+    )
+
+
+@pytest.fixture
+def one_study(monkeypatch):
+    def use(measured):
+        monkeypatch.setattr(validate, "STUDIES", (("made", lambda: [made(measured)]),))
+
+    return use
+
+
+def test_command_prints_the_table_and_writes_the_report(tmp_path, one_study):
+    one_study(1.005)
+    ran = CliRunner().invoke(cli.app, ["validate", "-o", str(tmp_path / "report")])
+    assert ran.exit_code == 0, ran.output
+    assert "half | of it" in ran.stdout
+    assert "1 of 1 rows pass" in ran.stdout
+    names = {"validation.md", "validation.html", "validation-made.png", "validation-made.svg"}
+    assert {file.name for file in (tmp_path / "report").iterdir()} == names
+    text = (tmp_path / "report" / "validation.md").read_text()
+    assert "| half \\| of it | 1.005 | 1 | 0.50 % | 1 | pass |" in text
+    page = (tmp_path / "report" / "validation.html").read_text()
+    assert "A &lt;reference&gt;" in page
+    assert "src='data:image/png;base64," in page
+    assert "src='http" not in page
+
+
+def test_command_fails_when_a_row_does(one_study):
+    one_study(1.1)
+    ran = CliRunner().invoke(cli.app, ["validate"])
+    assert ran.exit_code == 1
+    assert "FAIL" in ran.stdout
+    assert "0 of 1 rows pass, 1 fail" in ran.stdout
+
+
+def test_a_report_is_not_overwritten_by_accident(tmp_path):
+    (tmp_path / "validation.md").write_text("mine")
+    with pytest.raises(validation_report.outputs.OutputError, match="exists already; --overwrite"):
+        validation_report.check_folder(tmp_path, overwrite=False)
+    validation_report.check_folder(tmp_path, overwrite=True)
+    with pytest.raises(validation_report.outputs.OutputError, match="cannot be made"):
+        validation_report.check_folder(CASES / "hawkmoth.toml", overwrite=True)
