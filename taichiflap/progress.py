@@ -1,7 +1,7 @@
 """The progress bar of a run in a terminal: beats, rate, time left."""
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
@@ -33,3 +33,12 @@ def bar(case: Case) -> Iterator[Callback]:
             shown.update(task, completed=done, total=total, beat=done // case.time.steps_per_period)
 
         yield update
+
+
+@contextlib.contextmanager
+def share(title: str) -> Iterator[Callable[[float], None]]:
+    """A bar on stderr for work of many kinds; yields what is called with the share done, 0 to 1."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
+    with Progress(*columns, TimeRemainingColumn(compact=True), console=Console(stderr=True), transient=True) as shown:
+        task = shown.add_task(title, total=1.0)
+        yield lambda done: shown.update(task, completed=done)

@@ -1,0 +1,153 @@
+"""The paper reproduced on reduced settings: numbers, files, and a report without traces of where it was made."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from test_cli import run
+
+import taichiflap
+from taichiflap.metrics import settled_beats
+from taichiflap.outputs import OutputError
+from taichiflap.studies import literal, page, paper, plan, reproduce, verdicts
+from taichiflap.studies.paper import Settings
+from taichiflap.studies.plan import RIGID, key
+
+QUICK = Settings(
+    periods=3,
+    steps_per_period=200,
+    elements=(1, 5, 50),
+    panels=(10, 50),
+    wakes=(20, 200),
+    long_wakes=("all",),
+    modes=(1, 2),
+    densities=(1.0, paper.AIR),
+)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    """The folder of a reduced study, its verdicts, and how the progress went."""
+    folder, shares = tmp_path_factory.mktemp("study") / "new" / "folder", []
+    found = reproduce.reproduce(folder, settings=QUICK, progress=shares.append)
+    return folder, found, shares
+
+
+def named(found, text):
+    return next(verdict for verdict in found if verdict.what.startswith(text))
+
+
+def test_shipped_case_files_are_the_papers():
+    for name, solver in (("hawkmoth", "uvlm"), ("hawkmoth_dbet", "dbet")):
+        shipped = taichiflap.load_case(Path(__file__).parent.parent / "cases" / f"{name}.toml")
+        assert paper.case(Settings(), solver).override(title=shipped.title).to_dict() == shipped.to_dict() | {
+            "uvlm": paper.case(Settings(), solver).to_dict()["uvlm"]
+        }
+
+
+def test_verdicts_hold_the_known_numbers(study):
+    _, found, _ = study
+    assert named(found, "first natural frequency").here == "79.96 Hz"
+    expected = {"DBET rigid": 2.78, "DBET flexible": 3.08, "UVLM rigid": 3.1, "UVLM flexible": 7.2}
+    for wing, force in expected.items():
+        here = float(named(found, f"mean vertical force, {wing}").here.split()[0])
+        assert here == pytest.approx(force, rel=0.08), wing
+    assert float(named(found, "largest tip deflection, DBET").here.split()[0]) == pytest.approx(7.6, rel=0.03)
+    phase = named(found, "normal force, flexible")
+    assert not phase.reproduced
+    assert float(phase.here.split()[0]) == pytest.approx(-16.0, abs=4.0)
+    assert named(found, "Fig. 4").reproduced
+    assert named(found, "time, UVLM over DBET").reproduced is None
+
+
+def test_progress_rises_to_the_end(study):
+    shares = study[2]
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1.0)
+
+
+def test_every_file_is_there(study):
+    folder, _, _ = study
+    names = {path.name for path in folder.iterdir()}
+    figures = {"figure4", "figure5", "wake", "figure6", "figure7", "cause", "table5", "density"}
+    assert names == {f"{name}.{kind}" for name in figures for kind in ("png", "svg")} | {
+        reproduce.REPORT, reproduce.PAGE, reproduce.DATA,
+    }  # fmt: skip
+
+
+def test_report_says_the_same_in_both_forms_and_nothing_of_the_machine(study):
+    folder, found, _ = study
+    markdown, page_ = ((folder / name).read_text("utf-8") for name in (reproduce.REPORT, reproduce.PAGE))
+    for verdict in found:
+        assert verdict.here in markdown
+    text = re.sub(r"base64,[^\"]*", "", page_)
+    assert text.count("<img") == 8
+    assert len(re.findall(r"^\|.*reproduced", markdown, re.M)) == sum(one.reproduced is not None for one in found)
+    assert "http" not in text
+    for written in (markdown, text, *(path.read_text("utf-8") for path in folder.glob("*.svg"))):
+        assert str(folder) not in written
+        assert str(Path.home()) not in written
+        assert str(Path(taichiflap.__file__).parent) not in written
+
+
+def test_data_holds_every_run(study):
+    with h5py.File(study[0] / reproduce.DATA) as file:
+        assert len(file) == len(plan.keys(QUICK))
+        group = next(group for name, group in file.items() if name.endswith(" dbet"))
+        assert group.attrs["tip_peak"] == pytest.approx(7.6e-3, rel=0.03)
+        assert group["force_normal"].attrs["units"] == "N"
+        assert len(group["turns"]) == len(group["force_normal"]) == QUICK.steps_per_period
+
+
+def test_the_blades_of_post_processing_are_the_solvers():
+    settings = replace(QUICK, periods=2)
+    for more in ((), (RIGID,)):
+        with taichiflap.simulate(paper.case(settings, "dbet", *more)) as result:
+            frames = np.concatenate(list(settled_beats(result.case, result.time)))
+            ours = literal.blades(result)
+            theirs = (result.force_normal - result.force_normal_unsteady)[frames]
+            axial = result.force_axial[frames]
+            turned = literal.blades(result, arctangent=True)
+        np.testing.assert_allclose(ours.normal, theirs, atol=1e-6)
+        np.testing.assert_allclose(ours.axial, axial, atol=1e-6)
+        assert turned.vertical == pytest.approx(-ours.vertical)
+
+
+def test_keys_name_a_case_once():
+    assert key("uvlm", "uvlm.wake=200", RIGID) == ("uvlm", RIGID)
+    assert len(set(plan.keys(Settings()))) == len(plan.keys(Settings()))
+    planned = [one for part in plan.batches(QUICK) for one, _ in part]
+    assert sorted(planned) == sorted(plan.keys(QUICK))
+
+
+def test_a_page_escapes_what_it_is_given(tmp_path):
+    blocks = [page.Heading(1, "a < b"), page.Table(("x|y",), [("−1.5 ± 0.2",), ("`code` & text",)])]
+    assert "a &lt; b" in page.page(blocks, tmp_path)
+    assert "<td class=number>−1.5 ± 0.2</td>" in page.page(blocks, tmp_path)
+    assert "<code>code</code> &amp; text" in page.page(blocks, tmp_path)
+    assert "x\\|y" in page.markdown(blocks)
+
+
+def test_a_verdict_reads_as_a_sentence():
+    verdict = verdicts.Verdict("tip", "7.5 mm", "7.6 mm", True, "within 1 %")
+    assert str(verdict) == "reproduced: tip: paper 7.5 mm, here 7.6 mm; within 1 %"
+
+
+def test_folders_that_cannot_be_used_are_refused_in_a_sentence(tmp_path):
+    (tmp_path / "old").write_text("")
+    with pytest.raises(OutputError, match="holds files already"):
+        reproduce.prepare(tmp_path, overwrite=False)
+    reproduce.prepare(tmp_path, overwrite=True)
+    with pytest.raises(OutputError, match="cannot be written"):
+        reproduce.prepare(tmp_path / "old" / "below", overwrite=False)
+
+
+def test_command_refuses_a_full_folder(tmp_path):
+    (tmp_path / "old").write_text("")
+    ran = run("reproduce", "-o", tmp_path)
+    assert ran.returncode == 2
+    assert "holds files already" in ran.stderr
+    assert len(ran.stderr.splitlines()) == 1
