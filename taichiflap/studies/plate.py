@@ -122,7 +122,7 @@ def added_mass(panels: Sequence[int] = (12, 25, 50, 100)) -> Check:
     """Force and moment of a plate pushed from rest in still fluid, before it sheds anything to speak of."""
     mass = theory.added_mass([np.ones_like, lambda x: x])
     pushed = np.array([_pushed_mass(count) for count in panels])
-    names = ("heave: force", "heave: moment about the leading edge", "pitch: force", "pitch: moment")
+    names = ("heave: force", "heave: moment", "pitch: force", "pitch: moment")
     expected = np.array([mass[0, 0], mass[0, 1], mass[0, 1], mass[1, 1]])
     at = list(panels).index(PANELS)
     rows = [Row.relative(f"{name}, {PANELS} panels", pushed[at, i], expected[i], 1.0) for i, name in enumerate(names)]
@@ -133,9 +133,10 @@ def added_mass(panels: Sequence[int] = (12, 25, 50, 100)) -> Check:
     return Check(
         "added-mass",
         "Added mass of a plate in heave and pitch",
-        "π/4, π/8, π/8 and 9π/128 of ρ c² (forces over acceleration, lengths in chords; Lamb 1932). The plate is "
-        "pushed from rest for one step of 1e-4 of a period, in fluid without a stream, so that what it sheds stands at "
-        "its trailing edge. The solver has no option to shed nothing; this is its limit at t = 0+.",
+        "π/4, π/8, π/8 and 9π/128 of ρ c² (force and moment about the leading edge over acceleration, lengths in "
+        "chords; Lamb 1932). The plate is pushed from rest for one step of 1e-4 of a period, in fluid without a "
+        "stream, so that what it sheds stands at its trailing edge. The solver has no option to shed nothing; this is "
+        "its limit at t = 0+.",
         tuple(rows),
         (Chart("Error against panels", "Panels", "Error (%)", curves, "xy"),),
     )

@@ -93,7 +93,7 @@ def wet_frequency(panels: Sequence[int] = (12, 25, 50, 100)) -> Check:
     return Check(
         "wet-frequency",
         "Wet natural frequency of the elastic plate",
-        "The paper's wing, one undamped mode, let go in still air from a deflection of 1e-7 chords or less; 200 steps "
+        "The paper's wing, one undamped mode, let go in still air from a deflection of 2e-8 chords; 200 steps "
         "of 1/80 s, blades without drag. DBET gives every strip the added mass of the whole plate, so that "
         f"f/√(1 + µ) = {strips:.2f} Hz holds exactly; potential flow about the first mode, without circulation, gives "
         f"{plate:.2f} Hz, which the lattice is held against. The lattice sheds as always: at this amplitude next to "
@@ -195,7 +195,7 @@ def vortices() -> Check:
             Chart(
                 "Change of the invariants of a cloud of 12",
                 "Time step (s)",
-                "Change (units of Γ, metres)",
+                "Change (SI units)",
                 tuple(
                     Curve(name, np.array(sizes), np.maximum(changes[:, i], 1e-17), "o-") for i, name in enumerate(names)
                 ),

@@ -149,10 +149,11 @@ def _table(check: Check) -> str:
 
 
 def _opening(checks: Sequence[Check]) -> str:
+    failed = [f"{row.setting} ({row.error:.2f} {row.unit})" for check in checks for row in check.rows if not row.passed]
     return (
         f"Written by `taichiflap validate` of version {__version__}: {verdict(checks)}. Each row holds the solver "
         "against an exact solution; tolerances are set by what the scheme should reach, and a row beyond its own says "
-        "FAIL."
+        "FAIL." + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
     )
 
 
@@ -165,7 +166,10 @@ def page(checks: Sequence[Check], pictures: dict[str, bytes]) -> str:
             "<table>" + _row(HEADINGS, "th") + "".join(_row(row_cells(row), "td") for row in check.rows) + "</table>"
         )
         picture = base64.b64encode(pictures[check.name]).decode()
-        parts.append(f"<img alt='{html.escape(check.reference, quote=True)}' src='data:image/png;base64,{picture}'>")
+        width = 100 * min(len(check.charts), COLUMNS) // COLUMNS
+        parts.append(
+            f"<img width='{width}%' alt='{html.escape(check.reference)}' src='data:image/png;base64,{picture}'>"
+        )
     return (
         f"<!doctype html><html lang='en'><head><meta charset='utf-8'><title>{TITLE}</title>"
         f"<style>{_SHEET}</style></head><body>{''.join(parts)}</body></html>\n"
