@@ -77,6 +77,10 @@ def _mean_force(runs: Runs, solver: str, modes: int) -> Verdict:
     remark = "both definitions are one for a rigid plate" if same else f"as the {DEFINITIONS[definition]}"
     what = f"mean vertical force, {NAMES[solver]} {'flexible' if modes else 'rigid'}"
     here = mean_force(runs, solver, modes, definition)
+    two_beats = [runs.get(key("uvlm", "uvlm.wake=400", *more)) for more in ((), (RIGID,))]
+    if solver == "uvlm" and modes and all(two_beats):
+        flexible, rigid = (1e3 * run.summary.force_vertical.mean for run in two_beats if run)
+        remark += f" (400 wake vortices give {flexible:.2f} mN, and {rigid:.2f} mN for the rigid wing)"
     return _number(what, 1e3 * TABLE_5[solver, modes], 1e3 * here, "mN", remark)
 
 
