@@ -24,16 +24,15 @@ LEGEND_PIXELS = 250.0
 NEAREST, FARTHEST = 3.0, 2000.0
 """Bounds of the camera's distance, chords."""
 
-# viser offers no way to stop the camera from turning. Its page holds a camera-controls object, though: there, left
-# and right drag become TRUCK (2), one finger TOUCH_TRUCK (128), and both angles are held where they are.
+# viser offers no way to stop the camera from turning. Its page holds a camera-controls object, though: there, the
+# left button comes to pan as the right one does, one finger as three do, and both angles are held where they are.
 LOCK = """
 let tries = 0;
 const lock = () => {
   const controls = window.__viserMutable && window.__viserMutable.cameraControl;
   if (!controls) { if (tries++ < 200) setTimeout(lock, 50); return; }
-  controls.mouseButtons.left = 2;
-  controls.mouseButtons.right = 2;
-  controls.touches.one = 128;
+  controls.mouseButtons.left = controls.mouseButtons.right;
+  controls.touches.one = controls.touches.three;
   controls.dollyToCursor = true;
   controls.minPolarAngle = controls.maxPolarAngle = Math.PI / 2;
   controls.azimuthRotateSpeed = 0;

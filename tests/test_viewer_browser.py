@@ -1,0 +1,388 @@
+"""The viewer in a real browser: headless Chromium sees what the file holds, and its controls act.
+
+Conditions are waited for, never times. The scene that a page holds is read from viser's own store on `window`.
+"""
+
+import contextlib
+import io
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+from conftest import CASES, hawkmoth
+from matplotlib.image import imread
+from taichiflap_viewer import Viewer
+from taichiflap_viewer.colours import LIGHT, linear, rgb
+
+import taichiflap
+
+CHROMIUM = shutil.which("chromium")
+FLAGS = [
+    *("--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic"),
+    *("--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
+]
+SECONDS = 40.0
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="NO BROWSER TESTED: there is no chromium")
+
+NODE = "window.__viserSceneTree && window.__viserSceneTree.getState()['{}']"
+PROPS = f"({NODE}).message.props"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Two beats of the hawkmoth by each model, and of one with three modes."""
+    path = tmp_path_factory.mktemp("results")
+    for name, settings in (("uvlm", []), ("dbet", ["solver=dbet"]), ("modes", ["wing.modes=3", "uvlm.wake=40"])):
+        taichiflap.simulate(hawkmoth("time.periods=2", *settings), path / f"{name}.h5").close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def browser():
+    sync = pytest.importorskip("playwright.sync_api", reason="NO BROWSER TESTED: playwright is not installed")
+    with sync.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def serve(folder):
+    """Start viewers; they stop with the test."""
+    with contextlib.ExitStack() as stack:
+
+        def start(*names, port=18080):
+            viewer = Viewer([folder / f"{name}.h5" for name in names], port=port)
+            stack.callback(viewer.stop)
+            return viewer
+
+        yield start
+
+
+@pytest.fixture
+def look(browser):
+    """Open pages; a page error fails the test at its end."""
+    errors = []
+    contexts = []
+
+    def open_page(address, context=None, **options):
+        if context is None:
+            context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
+            contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(1e3 * SECONDS)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(f"{address}/?fixedDpr=1")
+        page.wait_for_function(f"() => {NODE.format('/wing')}")
+        page.get_by_text("Reset view", exact=True).wait_for()
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert errors == []
+
+
+def floats(page, name, prop="points"):
+    return np.array(page.evaluate(f"() => Array.from({PROPS.format(name)}.{prop})"))
+
+
+def wait_for_frame(page, viewer, index):
+    """Until a page shows a frame: the time that it tells, and its wing."""
+    number, part = viewer.runs[0].beat_of(index)
+    text = f"beat {number}   t/T = {part:.3f}"
+    page.wait_for_function(f"() => {PROPS.format('/time')}.text.startsWith({text!r})")
+
+
+def go_to(page, viewer, index):
+    """Type a frame into the box beside the slider."""
+    box = page.locator("input.mantine-NumberInput-input").first
+    box.fill(str(index))
+    box.press("Enter")
+    wait_for_frame(page, viewer, index)
+
+
+def stop(page):
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="Play").wait_for()
+
+
+def choose(page, label, option):
+    page.get_by_label(label, exact=True).first.click()
+    page.get_by_role("option", name=option, exact=True).click()
+
+
+def test_wing_and_wake_are_the_files(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    stop(page)
+    result, chord = viewer.runs[0].result, viewer.runs[0].chord
+    for index in (400, 137, 250):
+        go_to(page, viewer, index)
+        wing = floats(page, "/wing").reshape(-1, 2, 3)
+        nodes = result.frame("node_position", index)
+        np.testing.assert_allclose(wing[:, 0, 0], nodes[:-1, 1] / chord, atol=1e-6)
+        np.testing.assert_allclose(wing[:, 1, 2], -nodes[1:, 0] / chord, atol=1e-6)
+        points, wake = floats(page, "/wake").reshape(-1, 3), result.wake(index)
+        np.testing.assert_allclose(points[:, 0], wake["z"] / chord, atol=1e-5)
+        np.testing.assert_allclose(points[:, 2], -wake["y"] / chord, atol=1e-5)
+        ranges = viewer.runs[0].ranges
+        colours = LIGHT.circulation.symmetric(wake["circulation"], ranges.circulation)
+        np.testing.assert_array_equal(floats(page, "/wake", "colors").reshape(-1, 3), colours)
+        pressure = linear(LIGHT.pressure.symmetric(result.frame("pressure_jump", index), ranges.pressure))
+        np.testing.assert_array_equal(floats(page, "/wing", "colors").reshape(-1, 2, 3)[:, 0], pressure)
+
+
+def test_the_canvas_has_the_colours_of_the_legend(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    stop(page)
+    go_to(page, viewer, 350)
+    run = viewer.runs[0]
+    frame = run.frame(350)
+    extremes = np.array([frame.circulation.min(), frame.circulation.max()])
+    wanted = [
+        *LIGHT.circulation.symmetric(extremes, run.ranges.circulation),
+        LIGHT.pressure.symmetric(frame.pressure, run.ranges.pressure)[len(frame.pressure) // 2],
+    ]
+    for colour in wanted:
+        wait_until(page, lambda colour=colour: pixels_of(page, colour) > 4)
+    legend = page.locator("[data-legend]")
+    assert "Pa" in legend.inner_text()
+    assert "m²/s" in legend.inner_text()
+    assert rgb(LIGHT.circulation.stops[0]) == tuple(LIGHT.circulation.table[0])
+
+
+def test_play_advances_and_the_timeline_acts(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    seen = page.evaluate(f"() => {PROPS.format('/time')}.text")
+    page.wait_for_function(f"text => {PROPS.format('/time')}.text !== text", arg=seen)
+    stop(page)
+    go_to(page, viewer, 130)
+    page.get_by_role("button", name="on ›").click()
+    wait_for_frame(page, viewer, 131)
+    page.get_by_role("button", name="next »").click()
+    wait_for_frame(page, viewer, 200)
+    page.get_by_role("button", name="« last").click()
+    wait_for_frame(page, viewer, 100)
+    beat = page.get_by_label("Beat", exact=True)
+    beat.fill("2")
+    beat.press("Enter")
+    wait_for_frame(page, viewer, 200)
+    choose(page, "Loop", "whole run")
+    choose(page, "Speed", "2 beats a second")
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function(f"() => {PROPS.format('/time')}.text.startsWith('beat 1 ')")
+
+
+def test_layers_background_and_theme_act(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    stop(page)
+    wake = f"() => {NODE.format('/wake')}.effectiveVisibility"
+    page.get_by_label("Wake", exact=True).click()
+    page.wait_for_function(f"() => !({wake})()")
+    page.get_by_label("Wake", exact=True).click()
+    page.wait_for_function(wake)
+    choose(page, "Background", "vorticity")
+    page.wait_for_function(f"() => {NODE.format('/field/picture')}")
+    page.get_by_text("Air: vorticity, 1/s").wait_for()
+    choose(page, "Background", "none")
+    page.wait_for_function(f"() => !({NODE.format('/field/picture')})")
+    light = floats(page, "/wake", "colors")
+    page.get_by_label("Dark", exact=True).click()
+    page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    page.wait_for_function(f"old => Array.from({PROPS.format('/wake')}.colors).join() !== old", arg=",".join(
+        str(int(value)) for value in light))  # fmt: skip
+
+
+def test_the_view_pans_and_zooms_but_does_not_turn(serve, look):
+    """Guards the private way in which rotation is locked."""
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    stop(page)
+    pose = "() => window.__viserMutable.camera.{}.toArray()"
+    page.wait_for_function("() => window.__viserMutable.cameraControl.azimuthRotateSpeed === 0")
+    before, turned = page.evaluate(pose.format("position")), page.evaluate(pose.format("quaternion"))
+    moved = "old => Math.hypot(...window.__viserMutable.camera.position.toArray().map((x, i) => x - old[i]))"
+    page.mouse.move(700, 400)
+    page.mouse.down()
+    page.mouse.move(800, 350, steps=4)
+    page.mouse.up()
+    page.wait_for_function(f"old => ({moved})(old) > 0.05", arg=before)
+    page.keyboard.press("ArrowLeft")
+    page.mouse.wheel(0, 200)
+    zoomed = "old => Math.abs(window.__viserMutable.cameraControl.distance / old - 1) > 0.02"
+    page.wait_for_function(zoomed, arg=before[0])
+    np.testing.assert_allclose(page.evaluate(pose.format("quaternion")), turned, atol=1e-6)
+    page.get_by_text("Reset view", exact=True).click()
+    page.wait_for_function(f"old => ({moved})(old) < 1e-2", arg=before)
+
+
+def test_charts_move_with_the_scene(serve, look):
+    viewer = serve("modes")
+    page = look(viewer.address)
+    stop(page)
+    for title in ("Tip deflection, mm", "Vertical force, mN", "Mechanical power, mW", "Modal amplitudes"):
+        page.get_by_text(title).first.wait_for()
+    go_to(page, viewer, 300)
+    charts = "Object.values(window.__viserTestpoints.uplots).map(u => u.chart.data.map(d => Array.from(d)))"
+    here = "d => d[0].some((x, i) => Math.abs(x - 1.5) < 1e-9 && !isNaN(d[2][i]))"
+    page.wait_for_function(f"() => {charts}.filter(d => d.length === 3).every({here})")
+    data = page.evaluate(f"() => {charts}.find(d => d.length === 3)")
+    times, tip, dot = (np.array(values, dtype=float) for values in data)
+    result = viewer.runs[0].result
+    np.testing.assert_allclose(tip, 1e3 * result.tip_deflection[200:401], rtol=1e-12)
+    assert times[np.flatnonzero(~np.isnan(dot))] == pytest.approx([1.5])
+    choose(page, "Show", "whole run")
+    page.wait_for_function(f"() => {charts}.every(d => d[0][0] === 0)")
+
+
+def test_dbet_says_that_it_has_no_wake(serve, look):
+    viewer = serve("dbet")
+    page = look(viewer.address)
+    stop(page)
+    assert page.evaluate(f"() => !({NODE.format('/wake')})")
+    assert "No wake" in page.locator("[data-legend]").inner_text()
+    go_to(page, viewer, 330)
+    load = floats(page, "/load").reshape(-1, 3, 2, 3)
+    tips = load[:, 0, 1] - load[:, 0, 0]
+    assert len(tips) == 13
+    assert page.get_by_label("Wake", exact=True).is_disabled()
+    for name in ("/load", "/velocity"):
+        assert page.evaluate(f"() => {NODE.format(name)}.effectiveVisibility")
+
+
+def test_two_results_lie_over_each_other(serve, look):
+    viewer = serve("uvlm", "dbet")
+    page = look(viewer.address)
+    stop(page)
+    go_to(page, viewer, 250)
+    for name, run, colour in zip(("/wing", "/second/wing"), viewer.runs, LIGHT.runs, strict=True):
+        wing = floats(page, name).reshape(-1, 2, 3)
+        np.testing.assert_allclose(wing[:, 0, 0], run.result.frame("node_position", 250)[:-1, 1] / run.chord, atol=1e-6)
+        np.testing.assert_array_equal(floats(page, name, "colors")[:3], linear(np.array(rgb(colour), dtype=np.uint8)))
+    table = page.locator("[data-differences]").inner_text()
+    for word in ("uvlm", "dbet", "Vertical force, mean", "phase", "peak"):
+        assert word in table
+
+
+def test_two_browsers_play_on_their_own(serve, look):
+    viewer = serve("uvlm")
+    first, second = look(viewer.address), look(viewer.address)
+    stop(first)
+    stop(second)
+    go_to(first, viewer, 120)
+    go_to(second, viewer, 280)
+    first.get_by_label("Wake", exact=True).click()
+    first.wait_for_function(f"() => !({NODE.format('/wake')}.effectiveVisibility)")
+    assert second.evaluate(f"() => {NODE.format('/wake')}.effectiveVisibility")
+    wait_for_frame(first, viewer, 120)
+
+
+def test_a_dropped_connection_comes_back_to_its_frame(serve, look):
+    viewer = serve("uvlm")
+    with Wire(viewer.port) as wire:
+        page = look(f"http://127.0.0.1:{wire.port}")
+        stop(page)
+        go_to(page, viewer, 222)
+        page.get_by_label("Force", exact=True).click()
+        page.wait_for_function(f"() => !({NODE.format('/force')}.effectiveVisibility)")
+        (before,) = viewer.sessions
+        wire.cut()
+        wait_until(page, lambda: viewer.sessions and viewer.sessions[0] is not before)
+        page.wait_for_function(f"() => {NODE.format('/wake')}")
+        wait_for_frame(page, viewer, 222)
+        page.get_by_role("button", name="Play").wait_for()
+        assert not page.evaluate(f"() => {NODE.format('/force')}.effectiveVisibility")
+
+
+def test_a_run_is_followed_while_it_computes(tmp_path, look):
+    """`simulate` in a process of its own; the page follows to the last frame of the complete file."""
+    path = tmp_path / "live.h5"
+    command = [sys.executable, "-m", "taichiflap", "simulate", "hawkmoth.toml", "-o", path, "--threads", "1"]
+    settings = ["time.periods=4", "uvlm.wake=1600", "time.steps_per_period=400", "uvlm.core=0.05"]
+    arguments = [part for setting in settings for part in ("--set", setting)]
+    with subprocess.Popen([*command, *arguments], cwd=CASES, stdout=subprocess.DEVNULL) as running:
+        part = path.with_name("live.h5.part")
+        while not part.exists():
+            assert running.poll() is None
+        viewer = Viewer([part], port=18080)
+        try:
+            assert viewer.runs[0].live
+            page = look(viewer.address)
+            page.wait_for_function(f"() => {PROPS.format('/time')}.text.includes('beat 4   t/T = 1.000')")
+            assert running.wait() == 0
+            wait_until(page, lambda: viewer.runs[0].status == "complete")
+            result = viewer.runs[0].result
+            assert result.path == path
+            wake = floats(page, "/wake").reshape(-1, 3)
+            np.testing.assert_allclose(wake[:, 0], result.wake(1600)["z"] / viewer.runs[0].chord, atol=1e-4)
+        finally:
+            viewer.stop()
+
+
+def pixels_of(page, colour):
+    """Number of pixels on the page that have a colour, or one that nobody could tell from it."""
+    picture = np.round(255.0 * imread(io.BytesIO(page.screenshot()))[..., :3])
+    return int(np.sum(np.abs(picture - colour).sum(axis=-1) < 18))
+
+
+def wait_until(page, condition):
+    """Poll the server's side while the page goes on."""
+    for _ in range(int(SECONDS / 0.05)):
+        if condition():
+            return
+        page.wait_for_timeout(50)
+    raise AssertionError("waited in vain")
+
+
+class Wire:
+    """A connection to the viewer that can be cut: a forwarder of bytes."""
+
+    def __init__(self, target):
+        self.target = target
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        self.ends = []
+        self.thread = threading.Thread(target=self._accept, daemon=True)
+        self.thread.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.listener.shutdown(socket.SHUT_RDWR)
+        self.thread.join()
+        self.listener.close()
+        self.cut()
+
+    def cut(self):
+        for end in self.ends:
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+            end.close()
+        self.ends.clear()
+
+    def _accept(self):
+        with contextlib.suppress(OSError):
+            while True:
+                near, _ = self.listener.accept()
+                far = socket.create_connection(("127.0.0.1", self.target))
+                self.ends += [near, far]
+                for source, sink in ((near, far), (far, near)):
+                    threading.Thread(target=self._pump, args=(source, sink), daemon=True).start()
+
+    @staticmethod
+    def _pump(source, sink):
+        with contextlib.suppress(OSError):
+            while data := source.recv(65536):
+                sink.sendall(data)
+        with contextlib.suppress(OSError):
+            sink.shutdown(socket.SHUT_RDWR)
