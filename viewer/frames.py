@@ -5,8 +5,9 @@ Nothing else of the viewer touches the file. Frames are kept in a small cache th
 
 import threading
 from collections import OrderedDict
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,7 @@ class Frame:
         wake: positions of the wake vortices, oldest first, shape (vortex, 2).
         circulation: of the wake vortices, m2/s.
         bound: circulation of the bound vortices, m2/s; empty without a vortex model.
+        drawn: what has been drawn of the frame, for all browsers of one style.
     """
 
     index: int
@@ -61,11 +63,12 @@ class Frame:
     wake: Array
     circulation: Array
     bound: Array
+    drawn: dict[Hashable, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def size(self) -> int:
-        """Bytes held."""
-        return sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
+        """Bytes held, about: what will be drawn of the frame takes as much again."""
+        return 2 * sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
 
 
 @dataclass(frozen=True)

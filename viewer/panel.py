@@ -6,7 +6,7 @@ from typing import Any
 import viser
 
 from .charts import WINDOWS
-from .field import BACKGROUNDS, NONE
+from .field import BACKGROUNDS
 from .frames import Run
 from .scene import LAYERS
 from .timeline import LOOPS, SPEEDS, Playback
@@ -113,7 +113,3 @@ class Panel:
         self.beat.max = self._run.beats + 1
         if not self._run.live:
             self.follow.visible = False
-
-    def clear_background(self) -> None:
-        """Show that there is no background."""
-        self.background.value = NONE

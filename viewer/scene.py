@@ -106,6 +106,7 @@ class Actor:
 
     def __init__(self, scene: Any, run: Run, look: Look, theme: Theme, ranges: Ranges) -> None:
         self.run, self.look, self.theme, self.ranges = run, look, theme, ranges
+        self._style = look, theme.background, ranges
         frame = run.frame(0)
         lines, colour = scene.add_line_segments, look.colour
         faint = theme.faint if colour is None else colour
@@ -134,20 +135,33 @@ class Actor:
     def show(self, index: int, shown: dict[str, bool]) -> Frame:
         """Move to a frame; layers that are not shown are not sent."""
         frame = self.run.frame(index)
-        self.wing.points, self.wing.colors = self._wing(frame), self._wing_colours(frame)
-        shapes = {"force": self._force, "velocity": self._velocity, "load": self._load}
+        self._move("wing", self.wing, frame)
         for name, handle in self.layers.items():
             visible = shown[name] and (name != "wake" or len(frame.wake) > 0)
-            if visible and name == "wake":
-                handle.points = wake_points(frame, self.ranges.circulation)
-                handle.colors = self.theme.circulation.symmetric(frame.circulation, self.ranges.circulation)
-            elif visible and name == "ghost":
-                handle.points = polyline(frame.chord, GHOST)
-            elif visible:
-                handle.points = shapes[name](frame)
+            if visible:
+                self._move(name, handle, frame)
             if handle.visible != visible:
                 handle.visible = visible
         return frame
+
+    def _move(self, name: str, handle: Any, frame: Frame) -> None:
+        key = name, self._style
+        if key not in frame.drawn:
+            frame.drawn[key] = self._draw(name, frame)
+        handle.points, colours = frame.drawn[key]
+        if colours is not None:
+            handle.colors = colours
+
+    def _draw(self, name: str, frame: Frame) -> tuple[NDArray[np.float32], NDArray[np.uint8] | None]:
+        if name == "wing":
+            return self._wing(frame), self._wing_colours(frame)
+        if name == "wake":
+            limit = self.ranges.circulation
+            return wake_points(frame, limit), self.theme.circulation.symmetric(frame.circulation, limit)
+        if name == "ghost":
+            return polyline(frame.chord, GHOST), None
+        shapes = {"force": self._force, "velocity": self._velocity, "load": self._load}
+        return shapes[name](frame), None
 
     def _wing(self, frame: Frame) -> NDArray[np.float32]:
         return polyline(frame.nodes, WING - self.look.lift)
