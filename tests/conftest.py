@@ -1,5 +1,6 @@
 """Shared helpers: cases from the shipped files, and marches that keep all their frames."""
 
+import signal
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,6 +12,9 @@ from taichiflap import fluids
 from taichiflap.march import March
 
 CASES = Path(__file__).parent.parent / "cases"
+
+# A job started in the background by a shell ignores Ctrl-C, and so would the commands that the tests interrupt.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def hawkmoth(*settings):

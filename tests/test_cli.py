@@ -118,7 +118,10 @@ def test_an_interrupted_run_says_where_its_frames_are(tmp_path):
         while not frames_in(tmp_path / "hawkmoth.h5"):
             time.sleep(0.2)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=30)
+        try:
+            _, said = process.communicate(timeout=30)
+        finally:
+            process.kill()
     assert process.returncode == 130
     assert said == "interrupted: taichiflap info hawkmoth.h5 shows what was computed until now\n"
     ran = run("info", "hawkmoth.h5", cwd=tmp_path)
