@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .case import Wing
+from .sections.wing import Wing
 
 NEWTON_STEPS = 20
 

@@ -1,0 +1,28 @@
+"""How keys and sections of a case file are declared: every key with its meaning, its unit and its range."""
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Section(BaseModel):
+    """A table of the case file: no unknown keys, no text for a number, immutable."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+def key(default: Any = ..., *, unit: str = "", text: str, example: Any = None, **limits: Any) -> Any:
+    """A key of the case file with its meaning, its unit and its allowed range."""
+    example = default if example is None else example
+    extra: dict[str, Any] = {"unit": unit} if unit else {}
+    return Field(default, description=text, examples=[example], json_schema_extra=extra, **limits)
+
+
+def section(model: type[BaseModel]) -> Any:
+    """A section that may be left out."""
+    return Field(default_factory=model, description=(model.__doc__ or "").strip().rstrip("."))
+
+
+def as_tuple(value: Any) -> Any:
+    """A file's list as the tuple that an immutable section holds."""
+    return tuple(value) if isinstance(value, list) else value

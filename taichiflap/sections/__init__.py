@@ -1,0 +1,1 @@
+"""What each section of a case file may say, one module a section."""
