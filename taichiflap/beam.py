@@ -52,7 +52,13 @@ class Modes:
     def shape(self, y: ArrayLike) -> NDArray[np.float64]:
         """Mass-normalised mode shapes phi_k at chordwise positions `y` (m): shape (modes, len(y)), 1/sqrt(kg)."""
         s = np.asarray(y, dtype=np.float64) / self.chord
-        return np.array([_cantilever(beta, s) for beta in self._beta]).reshape(-1, s.size) / math.sqrt(self.mass)
+        return np.array([_cantilever(beta, s)[0] for beta in self._beta]).reshape(-1, s.size) / math.sqrt(self.mass)
+
+    def slope(self, y: ArrayLike) -> NDArray[np.float64]:
+        """Slopes d(phi_k)/dy of the mode shapes at `y` (m): shape (modes, len(y)), 1/(m sqrt(kg))."""
+        s = np.asarray(y, dtype=np.float64) / self.chord
+        slopes = np.array([_cantilever(beta, s)[1] for beta in self._beta]).reshape(-1, s.size)
+        return slopes / (self.chord * math.sqrt(self.mass))
 
 
 def modes(wing: Wing) -> Modes:
@@ -93,8 +99,8 @@ def _sigma(beta: float) -> float:
     return (math.cosh(beta) + math.cos(beta)) / (math.sinh(beta) + math.sin(beta))
 
 
-def _cantilever(beta: float, s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Clamped-free shape of unit mean square at s = y/chord.
+def _cantilever(beta: float, s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Clamped-free shape of unit mean square at s = y/chord, and its slope.
 
     `cosh(beta s) - sigma sinh(beta s)` is written in decaying exponentials: as it stands it loses all digits
     from about the tenth mode on.
@@ -102,5 +108,6 @@ def _cantilever(beta: float, s: NDArray[np.float64]) -> NDArray[np.float64]:
     decay = math.exp(-beta)
     grown = (math.sin(beta) - math.cos(beta) - decay) / (1.0 - decay**2 + 2.0 * decay * math.sin(beta))
     sigma = _sigma(beta)
-    hyperbolic = grown * np.exp(beta * (s - 1.0)) + 0.5 * (1.0 + sigma) * np.exp(-beta * s)
-    return hyperbolic - np.cos(beta * s) + sigma * np.sin(beta * s)
+    rising, falling = grown * np.exp(beta * (s - 1.0)), 0.5 * (1.0 + sigma) * np.exp(-beta * s)
+    cosine, sine = np.cos(beta * s), np.sin(beta * s)
+    return rising + falling - cosine + sigma * sine, beta * (rising - falling + sine + sigma * cosine)

@@ -73,3 +73,12 @@ def test_a_rigid_wing_has_no_modes():
     section = beam.modes(hawkmoth("wing.modes=0").wing)
     assert section.count == 0
     assert section.shape([0.0, 0.01]).shape == (0, 2)
+
+
+def test_slopes_are_the_derivatives_of_the_shapes():
+    section = beam.modes(hawkmoth("wing.modes=12").wing)
+    y = section.chord * np.linspace(0.01, 0.99, 50)
+    h = 1e-5 * section.chord
+    expected = (section.shape(y + h) - section.shape(y - h)) / (2 * h)
+    np.testing.assert_allclose(section.slope(y), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
+    assert np.abs(section.slope([0.0])).max() < 1e-10 * np.abs(expected).max()
