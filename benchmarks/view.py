@@ -24,8 +24,8 @@ from taichiflap_viewer.session import Session
 from websockets.sync.client import connect
 
 import taichiflap
-from taichiflap.results import Writer
 from taichiflap.runtime import available_threads
+from taichiflap.writer import Writer
 
 CASES = Path(__file__).parent.parent / "cases"
 CLIENTS = 10

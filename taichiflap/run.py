@@ -10,7 +10,8 @@ import numpy as np
 from . import fluids, plausible, series
 from .case import Case
 from .march import March
-from .results import Result, Writer
+from .results import Result
+from .writer import Writer
 
 Progress = Callable[[int, int], None]
 """Called with the steps done and all steps, after every block."""

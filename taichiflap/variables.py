@@ -14,6 +14,12 @@ class Variable:
     comment: str = ""
     single: bool = False
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """What a file says about the array: `units`, `long_name`, `symbol` and `comment`, as far as it has them."""
+        words = {name: getattr(self, name) for name in ("units", "long_name", "symbol", "comment")}
+        return {name: text for name, text in words.items() if text}
+
 
 _NORMAL = "positive along the wing's normal e_z = (-sin pitch, cos pitch) in (Y, Z)"
 _CHORD = "positive along the undeformed chord e_y = (cos pitch, sin pitch) in (Y, Z), leading to trailing edge"

@@ -15,7 +15,8 @@ from taichiflap_viewer.session import opening
 
 import taichiflap
 from taichiflap import open_result
-from taichiflap.results import ResultError, Writer, part
+from taichiflap.results import ResultError, part
+from taichiflap.writer import Writer
 
 
 @pytest.fixture(scope="module")
