@@ -11,7 +11,7 @@ import numpy as np
 
 from . import beam, motion
 from .case import Case
-from .motion import PITCH, PLUNGE_RATE
+from .motion import PITCH, PITCH_ACCEL, PLUNGE_RATE
 from .runtime import Floats1, Floats2, Floats3, Ints1, Octet, View, ti, view
 
 NORMAL, AXIAL, MOMENT, UNSTEADY = range(4)
@@ -27,13 +27,16 @@ AMPLITUDE, RATE, ACCEL = range(3)
 STIFFNESS, DAMPING, LAMBDA, PSI = range(4)
 """Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k."""
 
+COSINE, SINE = PITCH_ACCEL + 1, PITCH_ACCEL + 2
+"""Columns that a march adds to the sampled motion: of the pitch angle."""
+
 Body = ti.types.argpack(
     modes=Ints1,
     steps=Ints1,  # steps that the case asks for
     every=Ints1,  # steps between frames
     failed=Ints1,  # step at which a value was not finite; -1 while all is well
     dt=Floats1,
-    motion=Floats3,  # (case, step, 6), see taichiflap.motion
+    motion=Floats3,  # (case, step, 8), see taichiflap.motion; and cos theta, sin theta
     constant=Floats3,
     q=Floats3,  # modal state now ...
     q_before=Floats3,  # ... and one step earlier
@@ -68,7 +71,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.
         every=array([case.output.every for case in cases]),
         failed=array([-1] * count),
         dt=array([case.step for case in cases], float),
-        motion=array(motions),
+        motion=array(np.dstack((motions, np.cos(motions[..., PITCH]), np.sin(motions[..., PITCH])))),
         constant=array(constant),
         q=zeros(ti.f64, count, 3, most),
         q_before=zeros(ti.f64, count, 2, most),
@@ -120,7 +123,7 @@ def superpose(shape: View, state: View, b, row, point, count):
 @ti.func
 def pivot_velocity(body: View, stream: View, b, n):
     """Velocity of the pivot relative to the free stream, along e_y and e_z (Eq. 6 with y = W = 0)."""
-    cosine = ti.cos(body.motion[b, n, PITCH])
-    sine = ti.sin(body.motion[b, n, PITCH])
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
     along = body.motion[b, n, PLUNGE_RATE] - stream[b, 1]
     return along * sine - stream[b, 0] * cosine, along * cosine + stream[b, 0] * sine

@@ -28,9 +28,9 @@ import numpy as np
 
 from . import beam, linear
 from . import body as bodies
-from .body import ACCEL, AMPLITUDE, BETA, C0, C1, C2, DAMPING, LAMBDA, PSI, RATE, STIFFNESS, Body
+from .body import ACCEL, AMPLITUDE, BETA, C0, C1, C2, COSINE, DAMPING, LAMBDA, PSI, RATE, STIFFNESS, Body
 from .case import Case
-from .motion import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from .motion import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
 from .runtime import LANE, Floats3, Floats4, View, start, tasks, ti, view
 
 Track = ti.types.argpack(q=Floats4, modal_force=Floats3, force=Floats3)
@@ -76,7 +76,7 @@ def accelerate(body: View, b, n, rule):
     """Solve the modal equation for the acceleration and update amplitudes and rates with it."""
     modes = body.modes[b]
     beta = rule[BETA]
-    heave = body.motion[b, n, PLUNGE_ACCEL] * ti.cos(body.motion[b, n, PITCH])
+    heave = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]
     for j in range(modes):

@@ -16,7 +16,7 @@ from .writer import Writer
 Progress = Callable[[int, int], None]
 """Called with the steps done and all steps, after every block."""
 
-BLOCK_STEPS = 512
+BLOCK_STEPS = 4096
 BLOCK_WORK = 2e8
 """A block is at most so many steps, or so many pair interactions: about 0.1 s."""
 BLOCK_BYTES = 2**26

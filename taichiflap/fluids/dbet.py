@@ -19,6 +19,7 @@ from ..body import (
     AMPLITUDE,
     AXIAL,
     BETA,
+    COSINE,
     MOMENT,
     NORMAL,
     RATE,
@@ -29,7 +30,7 @@ from ..body import (
     pivot_velocity,
 )
 from ..case import Case
-from ..motion import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from ..motion import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
 from ..runtime import Floats1, Floats2, Ints1, Octet, Octets3, Singles3, View, ti
 from ..vortex import TINY
 
@@ -121,53 +122,82 @@ def superpose_octet(shape: View, state: View, b, row, block, count):
 
 
 @ti.func
-def blade_force(flow: View, b, r_y, r_z, e_y, e_z):
-    """Force per area along -e_z and -e_y of eight elements, and the derivative of the first by `u_z`.
-
-    Eqs 17-24 for the velocity `u = r + e`, rigid part plus elastic part. Corrected: the coefficients stay inside
-    the integral (Eqs 21-22), and the axial force is `dD cos A - dL sin A` (Eq. 23 prints cos A twice). The full
-    speed `|r + e|^2` is the default; the paper's drops the square of the elastic part.
-    """
-    u_y = r_y + e_y
-    u_z = r_z + e_z
-    speed2 = u_y * u_y + u_z * u_z + TINY
-    lift2 = 2.0 * flow.lift_max[b]
-    across = (flow.drag_min[b] + lift2) * u_y * u_y + flow.drag_max[b] * u_z * u_z
-    along = flow.drag_min[b] * u_y * u_y + (flow.drag_max[b] - lift2) * u_z * u_z
-    scale = flow.half_density[b] / ti.sqrt(speed2)
-    normal = scale * u_z * across
-    axial = scale * u_y * along
-    slope = scale * (across * u_y * u_y / speed2 + 2.0 * flow.drag_max[b] * u_z * u_z)
-    if flow.truncated[b] == 1:
-        kept = (r_y * r_y + r_z * r_z + 2.0 * (r_y * e_y + r_z * e_z)) / speed2
-        slope = kept * slope + normal * 2.0 * (r_z - kept * u_z) / speed2
-        normal *= kept
-        axial *= kept
-    return normal, axial, slope
+def normal_force(flow: View, b, u_y, u_z):
+    """Force per area along -e_z of eight elements (Eqs 17-24; the coefficients stay inside the integral)."""
+    across = (flow.drag_min[b] + 2.0 * flow.lift_max[b]) * u_y * u_y + flow.drag_max[b] * u_z * u_z
+    return flow.half_density[b] * u_z * across / ti.sqrt(u_y * u_y + u_z * u_z + TINY)
 
 
 @ti.func
-def linearise(body: View, flow: View, b, n):
-    """Blade forces about the expected rates, and the acceleration that the added mass feels (Eqs 25-27)."""
+def normal_slope(flow: View, b, u_y, u_z):
+    """Derivative of the normal force per area by `u_z`."""
+    speed2 = u_y * u_y + u_z * u_z + TINY
+    across = (flow.drag_min[b] + 2.0 * flow.lift_max[b]) * u_y * u_y + flow.drag_max[b] * u_z * u_z
+    change = across * u_y * u_y / speed2 + 2.0 * flow.drag_max[b] * u_z * u_z
+    return flow.half_density[b] * change / ti.sqrt(speed2)
+
+
+@ti.func
+def axial_force(flow: View, b, u_y, u_z):
+    """Force per area along -e_y: `dD cos A - dL sin A` (Eq. 23 prints cos A twice)."""
+    along = flow.drag_min[b] * u_y * u_y + (flow.drag_max[b] - 2.0 * flow.lift_max[b]) * u_z * u_z
+    return flow.half_density[b] * u_y * along / ti.sqrt(u_y * u_y + u_z * u_z + TINY)
+
+
+@ti.func
+def kept_share(r_y, r_z, e_y, e_z):
+    """Share of the squared speed `|r + e|^2` that the paper's Eqs 21-22 keep: all but the elastic `|e|^2`."""
+    u_y = r_y + e_y
+    u_z = r_z + e_z
+    return (r_y * r_y + r_z * r_z + 2.0 * (r_y * e_y + r_z * e_z)) / (u_y * u_y + u_z * u_z + TINY)
+
+
+@ti.func
+def move(body: View, flow: View, b, n):
+    """Expected velocity of the elements, and the acceleration that the added mass feels (Eqs 6-7, 25-27)."""
     modes = body.modes[b]
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
-    heave = body.motion[b, n, PLUNGE_ACCEL] * ti.cos(body.motion[b, n, PITCH])
+    heave = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
+    _, p_z = pivot_velocity(body, flow.stream, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]
     for block in range((flow.elements[b] + 7) // 8):
         y = flow.element[b, POSITION, block]
         w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
-        w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
-        r_y = Octet(p_y)
-        r_z = p_z + y * theta_rate
-        e_y = -theta_rate * w
-        normal, _, slope = blade_force(flow, b, r_y, r_z, e_y, w_rate)
-        flow.element[b, R_Z, block] = r_z
-        flow.element[b, E_Y, block] = e_y
-        flow.element[b, W_RATE, block] = w_rate
-        flow.element[b, NORMAL_TRACTION, block] = normal
-        flow.element[b, SLOPE, block] = slope
+        flow.element[b, R_Z, block] = p_z + y * theta_rate
+        flow.element[b, E_Y, block] = -theta_rate * w
+        flow.element[b, W_RATE, block] = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
         flow.element[b, ACCELERATION, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
+
+
+@ti.func
+def linearise(body: View, flow: View, b, n):
+    """Blade forces about the expected rates. One result a loop: of two that share terms LLVM vectorises neither."""
+    p_y, _ = pivot_velocity(body, flow.stream, b, n)
+    for block in range((flow.elements[b] + 7) // 8):
+        u_y = p_y + flow.element[b, E_Y, block]
+        u_z = flow.element[b, R_Z, block] + flow.element[b, W_RATE, block]
+        flow.element[b, NORMAL_TRACTION, block] = normal_force(flow, b, u_y, u_z)
+    for block in range((flow.elements[b] + 7) // 8):
+        u_y = p_y + flow.element[b, E_Y, block]
+        u_z = flow.element[b, R_Z, block] + flow.element[b, W_RATE, block]
+        flow.element[b, SLOPE, block] = normal_slope(flow, b, u_y, u_z)
+    if flow.truncated[b] == 1:
+        truncate(flow, b, p_y)
+
+
+@ti.func
+def truncate(flow: View, b, p_y):
+    """The blade forces with the paper's truncated speed in place of the whole."""
+    for block in range((flow.elements[b] + 7) // 8):
+        r_z = flow.element[b, R_Z, block]
+        e_y = flow.element[b, E_Y, block]
+        e_z = flow.element[b, W_RATE, block]
+        normal = flow.element[b, NORMAL_TRACTION, block]
+        speed2 = (p_y + e_y) * (p_y + e_y) + (r_z + e_z) * (r_z + e_z) + TINY
+        kept = kept_share(p_y, r_z, e_y, e_z)
+        change = normal * 2.0 * (r_z - kept * (r_z + e_z)) / speed2
+        flow.element[b, SLOPE, block] = kept * flow.element[b, SLOPE, block] + change
+        flow.element[b, NORMAL_TRACTION, block] = kept * normal
 
 
 @ti.func
@@ -212,7 +242,10 @@ def sum_forces(body: View, flow: View, b, n):
         w_rate = superpose_octet(flow.shape, body.q, b, RATE, block, modes)
         w_accel = superpose_octet(flow.shape, body.q, b, ACCEL, block, modes)
         r_z = flow.element[b, R_Z, block]
-        _, drag, _ = blade_force(flow, b, Octet(p_y), r_z, flow.element[b, E_Y, block], w_rate)
+        e_y = flow.element[b, E_Y, block]
+        drag = axial_force(flow, b, p_y + e_y, r_z + w_rate)
+        if flow.truncated[b] == 1:
+            drag *= kept_share(p_y, r_z, e_y, w_rate)
         ahead = w_rate - flow.element[b, W_RATE, block]
         unsteady = -flow.added_mass[b] * (flow.element[b, ACCELERATION, block] + w_accel)
         blades = flow.element[b, NORMAL_TRACTION, block] + flow.element[b, SLOPE, block] * ahead
@@ -232,6 +265,7 @@ def sum_forces(body: View, flow: View, b, n):
 @ti.func
 def prepare(batch: View, b, n, rule):
     """Modal force of the coming step `n`."""
+    move(batch.body, batch.flow, b, n)
     linearise(batch.body, batch.flow, b, n)
     load_modes(batch.body, batch.flow, b, rule)
 
