@@ -10,11 +10,12 @@ import pytest
 from test_cli import run
 
 import taichiflap
-from taichiflap.metrics import settled_beats
+from taichiflap.metrics import harmonic, settled_beats
 from taichiflap.outputs import OutputError
-from taichiflap.studies import literal, page, paper, plan, reproduce, verdicts
+from taichiflap.studies import literal, page, paper, plan, reproduce, rigid_lattice
 from taichiflap.studies.paper import Settings
 from taichiflap.studies.plan import RIGID, key
+from taichiflap.studies.verdict import Verdict
 
 QUICK = Settings(
     periods=3,
@@ -61,6 +62,14 @@ def test_verdicts_hold_the_known_numbers(study):
     assert float(phase.here.split()[0]) == pytest.approx(-16.0, abs=4.0)
     assert named(found, "Fig. 4").reproduced
     assert named(found, "time, UVLM over DBET").reproduced is None
+    assert named(found, "half the time step, DBET").reproduced
+    half = named(found, "half the time step, UVLM, 200")
+    assert not half.reproduced
+    assert float(half.here.split()[1].rstrip("%")) == pytest.approx(-19.0, abs=3.0)
+    whole = named(found, "the whole of the paper's DBET")
+    assert whole.here == "6 of 8"
+    assert "no added mass, undamped" in whole.why
+    assert whole.why.endswith("tip 5.38 mm")
 
 
 def test_progress_rises_to_the_end(study):
@@ -116,6 +125,45 @@ def test_the_blades_of_post_processing_are_the_solvers():
         assert turned.vertical == pytest.approx(-ours.vertical)
 
 
+def test_the_rigid_lattice_is_the_solvers_until_vortices_meet():
+    case = paper.case(replace(QUICK, periods=1), "uvlm", RIGID)
+    ours = rigid_lattice.fly(case)
+    with taichiflap.simulate(case) as result:
+        np.testing.assert_allclose(ours.normal, result.force_normal, atol=1e-7 * np.abs(result.force_normal).max())
+        np.testing.assert_allclose(ours.vertical, result.force_vertical, atol=1e-9)
+    np.testing.assert_array_equal(rigid_lattice.fly(case, heard=200).normal, ours.normal)
+    deaf, still = rigid_lattice.fly(case, heard=50), rigid_lattice.fly(case, still=True)
+    np.testing.assert_array_equal(deaf.normal[:50], ours.normal[:50])
+    assert np.abs(deaf.normal - ours.normal).max() > 1e-3
+    assert np.abs(still.normal).max() > 1.2 * np.abs(ours.normal).max()
+
+
+def test_quarter_panels_of_post_processing_undo_what_the_solver_counts():
+    case = paper.case(replace(QUICK, periods=2), "uvlm", "uvlm.panels=10", "uvlm.core=0.02")
+    with taichiflap.simulate(case) as result:
+        printed, meant = literal.whole_panels(result)
+        own = np.array([result.frame("panel_circulation", n) for n in range(result.frames)], dtype=float)
+        frames, size = np.concatenate(list(settled_beats(case, result.time))), case.wing.chord / 10
+        time = result.time
+
+        def unsteady(share):
+            sums = np.sum(np.cumsum(own, axis=1) - (1 - share) * own, axis=1)
+            growth = (1.5 * sums[2:] - 2 * sums[1:-1] + 0.5 * sums[:-2]) / case.step
+            force = -case.fluid.density * case.wing.span * size * growth
+            return harmonic(case, time[frames], force[frames - 2])
+
+        theirs = harmonic(case, result.time[frames], result.force_normal_unsteady[frames])
+    assert unsteady(1.0) == pytest.approx(theirs, rel=1e-4)
+    assert printed - meant == pytest.approx(unsteady(1.0) - unsteady(0.75), rel=1e-3)
+
+
+def test_energy_of_pitch_as_printed_lacks_the_rate_of_pitch():
+    case = paper.case(QUICK, "dbet", RIGID, "motion.pitch.amplitude_deg=0.1")
+    speed, rate = (case.motion.frequency * 2 * np.pi * one for one in (0.02, np.radians(0.1)))
+    expected = 40e-6 * 0.01 * speed, 40e-6 * 0.01 * speed * rate / 2, 0.5 * 40e-6 * speed**2
+    assert literal.pitch_energy(case) == pytest.approx(expected, rel=1e-3)
+
+
 def test_keys_name_a_case_once():
     assert key("uvlm", "uvlm.wake=200", RIGID) == ("uvlm", RIGID)
     assert len(set(plan.keys(Settings()))) == len(plan.keys(Settings()))
@@ -132,7 +180,7 @@ def test_a_page_escapes_what_it_is_given(tmp_path):
 
 
 def test_a_verdict_reads_as_a_sentence():
-    verdict = verdicts.Verdict("tip", "7.5 mm", "7.6 mm", True, "within 1 %")
+    verdict = Verdict("tip", "7.5 mm", "7.6 mm", True, "within 1 %")
     assert str(verdict) == "reproduced: tip: paper 7.5 mm, here 7.6 mm; within 1 %"
 
 

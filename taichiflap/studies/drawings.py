@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from .. import outputs, palette
 from . import paper
-from .measured import Measured
+from .measured import Measured, Progress
 from .paper import TABLE_5, Settings
 from .plan import NO_ADDED_MASS, RIGID, Runs, key
 
 WIDTH = 7.1
 RESOLUTION = 200
+FIGURES = 8
 DBET, UVLM = palette.LINES
 INK, MUTED = palette.LIGHT.ink, palette.LIGHT.muted
 FORCE = "Normal force $F_N$ (mN)"
@@ -30,14 +31,16 @@ _STYLE: Any = {
 }  # fmt: skip
 
 
-def draw(settings: Settings, runs: Runs, folder: Path) -> None:
+def draw(settings: Settings, runs: Runs, folder: Path, progress: Progress | None = None) -> None:
     """Write every figure into a folder as PNG and SVG.
 
     Raises:
         OutputError: when the system refuses.
     """
     with mpl.rc_context(_STYLE):
-        for name, figure in _figures(settings, runs):
+        for number, (name, figure) in enumerate(_figures(settings, runs)):
+            if progress is not None:
+                progress(number / FIGURES)
             for kind in ("png", "svg"):
                 metadata = {"Date": None} if kind == "svg" else None
                 with outputs.replacing(folder / f"{name}.{kind}") as file:

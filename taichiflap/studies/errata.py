@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from .. import beam
+from ..metrics import settled_beats
 from ..run import simulate
-from . import literal, paper
+from . import literal, paper, rigid_lattice
 from .measured import Measured
 from .paper import Settings
-from .plan import C_FOR_H, MICROGRAMS, RIGID, TRUNCATED, UNDAMPED, Runs, key
-from .verdicts import mean_force
+from .plan import C_FOR_H, IN_PHASE, LATE, MICROGRAMS, RIGID, TRUNCATED, UNDAMPED, Runs, key
+from .verdict import mean_force
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,8 @@ class Erratum:
     """A place of the paper, what it says, what is right, and the effect of taking it literally.
 
     Attributes:
-        how: `run`, `post-processed` (forces from the stored motion, which stays as it was) or `reasoned`.
+        how: `run`, `post-processed` (forces from the stored motion, which stays as it was) or `NumPy` (a run of
+            `rigid_lattice`, which has the misprint as an option).
     """
 
     where: str
@@ -53,7 +57,7 @@ def errata(settings: Settings, runs: Runs) -> list[Erratum]:
         ),
         Erratum(
             "Table 2 and Figs 6-7", "plunge at +90 deg, and reversal at t/T = 0.25 and 0.75",
-            "with that phase the stroke reverses at 0 and 0.5", "times shift by 0.25 T; forces stay", "reasoned",
+            "with that phase the stroke reverses at 0 and 0.5", _origin(runs), "run",
         ),
         Erratum(
             "Eq. 11", "no damping", "2 ζ ω dq/dt, with the ratio that Table 1 gives",
@@ -65,26 +69,14 @@ def errata(settings: Settings, runs: Runs) -> list[Erratum]:
             "Eq. 22", "the square of the elastic speed dropped", "the whole square of the local speed",
             f"DBET tip {tip(truncated)} for {tip(flexible)}, mean force {lift(truncated)} for {lift(flexible)}", "run",
         ),
-        _convection(settings),
-        Erratum(
-            "Eq. 32, taken further", "a wake that does not move", "a wake that moves with the fluid",
-            "the solver does not offer it. In hover a wing would beat in its own newest vortices, which stay where "
-            "they were shed, and no jet would form", "reasoned",
-        ),
-        Erratum(
-            "Eq. 33", "the running sum counts all of a panel's circulation", "its vortex is at a quarter of it",
-            "added mass too large by a share of the order of 1/N, 2 % for 50 panels", "reasoned",
-        ),
+        *_wake_errata(settings, runs),
+        _whole_panels(settings),
         Erratum(
             "Eq. 34", "chord c", "span h",
             f"the force times c/h = 0.4: mean force {lift(thin_rigid)} (rigid), {lift(thin)} with tip {tip(thin)} "
             "(flexible)", "run",
         ),
-        Erratum(
-            "Appendix A, T6", "no rate of pitch", "a factor dθ/dt",
-            "its units are not those of energy; it holds no q, so that Eq. 11 stays, and the power would not",
-            "reasoned",
-        ),
+        _pitch_energy(settings),
         Erratum(
             "Table 4", "200 wakes, converged by Fig. 5", "Fig. 5 shows the tip, not the force",
             f"mean force {lift(whole_rigid)} (rigid) and {lift(whole)} (flexible) with {settings.long_wakes[-1]} of "
@@ -123,7 +115,8 @@ def _blade_errata(settings: Settings) -> list[Erratum]:
     return [
         Erratum(
             "Eq. 18", "an arctangent", "the angle in all four quadrants",
-            f"the chordwise speed is negative all along, so that the force would push the wing on: {compared(turned)}",
+            f"{right[1].backward:.0%} of time and chord has a negative chordwise speed, where it is off by 180 deg: "
+            f"{compared(turned)}",
             how,
         ),
         Erratum("Eqs 21-22", "coefficients before the integral", "in it", f"at mid-chord, {compared(outside)}", how),
@@ -131,11 +124,63 @@ def _blade_errata(settings: Settings) -> list[Erratum]:
     ]  # fmt: skip
 
 
-def _convection(settings: Settings) -> Erratum:
-    with simulate(paper.case(settings, "uvlm")) as result:
-        speed, lost = literal.convection(result)
+def _origin(runs: Runs) -> str:
+    def forces(*more: str) -> str:
+        return " and ".join(
+            f"{1e3 * runs[key(solver, *more)].summary.force_vertical.mean:.2f} mN ({solver.upper()})"
+            for solver in ("dbet", "uvlm")
+        )
+
+    peak = runs[key("dbet", *LATE)].summary.tip_peak_time
+    return (
+        f"with both motions a quarter of a beat later, mean force {forces(*LATE)} for {forces()}, flexible, and the "
+        f"DBET tip's peak at t/T = {peak % 0.5:.3f}; with the plunge of the plots and the pitch of Table 2, "
+        f"{forces(IN_PHASE)}"
+    )
+
+
+def _wake_errata(settings: Settings, runs: Runs) -> list[Erratum]:
+    case = paper.case(settings, "uvlm", RIGID)
+    right = runs[key("uvlm", RIGID)].summary
+
+    def effect(flight: rigid_lattice.Flight) -> str:
+        beats = list(settled_beats(case, flight.time))
+        mean = 1e3 * np.mean(flight.vertical[np.concatenate(beats)])
+        peak = 1e3 * np.mean([np.abs(flight.normal[beat]).max() for beat in beats])
+        return (
+            f"rigid wing: mean force {mean:.2f} for {1e3 * right.force_vertical.mean:.2f} mN, largest normal force "
+            f"{peak:.0f} for {1e3 * right.force_normal_peak.mean:.0f} mN"
+        )
+
+    return [
+        Erratum(
+            "Eq. 32", "the wake's sum runs to the number of panels", "to the number of wake vortices",
+            f"with the youngest vortices kept, {effect(rigid_lattice.fly(case, heard=case.uvlm.panels))}", "NumPy",
+        ),
+        Erratum(
+            "Eq. 32, taken further", "a wake that does not move", "a wake that moves with the fluid",
+            effect(rigid_lattice.fly(case, still=True)), "NumPy",
+        ),
+    ]  # fmt: skip
+
+
+def _whole_panels(settings: Settings) -> Erratum:
+    effects = []
+    for wing, more in (("rigid", (RIGID,)), ("flexible", ())):
+        with simulate(paper.case(settings, "uvlm", *more)) as result:
+            printed, meant = literal.whole_panels(result)
+        turned = float(np.degrees(np.angle(printed / meant)))
+        effects.append(f"{1e3 * abs(printed):.2f} for {1e3 * abs(meant):.2f} mN, {turned:+.1f} deg earlier ({wing})")
     return Erratum(
-        "Eq. 32", "the wake's sum runs to the number of panels", "to the number of wake vortices",
-        f"in the last frame, with the youngest vortices kept, the wake's velocity is off by {lost:.2f} m/s of "
-        f"{speed:.2f} m/s (root mean square)", "post-processed",
+        "Eq. 33", "the running sum counts all of a panel's circulation", "its vortex is at a quarter of it",
+        f"first harmonic of the normal force {', '.join(effects)}", "post-processed",
+    )  # fmt: skip
+
+
+def _pitch_energy(settings: Settings) -> Erratum:
+    printed, meant, whole = (1e6 * value for value in literal.pitch_energy(paper.case(settings, "dbet", RIGID)))
+    return Erratum(
+        "Appendix A, T6", "no rate of pitch", "a factor dθ/dt",
+        f"not an energy; in SI numbers at most {printed:.1f} for {meant:.1f} µJ, of {whole:.0f} µJ in all. It holds "
+        "no q, so that Eq. 11 stays", "post-processed",
     )  # fmt: skip

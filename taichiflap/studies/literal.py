@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .. import beam, motion
 from ..case import Case
-from ..metrics import settled_beats
+from ..metrics import harmonic, settled_beats
 from ..motion import PITCH, PITCH_RATE, PLUNGE_RATE
 from ..results import Result
 
@@ -16,11 +16,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Blades:
-    """Quasi-steady forces of blade elements, shape (frames,), N: `normal` along e_z, `axial` along e_y."""
+    """Quasi-steady forces of blade elements, shape (frames,), N: `normal` along e_z, `axial` along e_y.
+
+    `backward` is the share of time and chord where the chordwise speed is negative.
+    """
 
     normal: Array
     axial: Array
     pitch: Array
+    backward: float
 
     @property
     def vertical(self) -> float:
@@ -54,7 +58,8 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
     drag = pressure * (model.drag_min * cosine**2 + model.drag_max * sine**2)
     axial = drag * cosine - lift * (cosine if cosines else sine)
     normal = drag * sine + lift * cosine
-    return Blades(-normal.sum(axis=1), -axial.sum(axis=1), result.pitch[frames])
+    backward = float(np.mean(along < 0.0))
+    return Blades(-normal.sum(axis=1), -axial.sum(axis=1), result.pitch[frames], backward)
 
 
 def _velocities(case: Case, result: Result, frames: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -70,26 +75,31 @@ def _velocities(case: Case, result: Result, frames: NDArray[np.intp]) -> tuple[A
     return across, along
 
 
-def convection(result: Result) -> tuple[float, float]:
-    """Root mean square of the wake vortices' velocity in the last frame (m/s), and of its error.
+def whole_panels(result: Result) -> tuple[complex, complex]:
+    """First harmonic of a UVLM run's normal force, N, as Eq. 33 is printed and as it is meant.
 
-    The error is that of a wake sum (Eq. 32) which runs to the number of panels, as printed, over the youngest
-    vortices, and not to the number of wake vortices.
+    The potential jumps by a panel's circulation at its vortex, at a quarter, so that three quarters of the panel
+    carry it; the running sum gives it to the whole panel.
     """
-    last, count = result.frames - 1, result.case.uvlm.panels
-    wake = result.wake(last)
-    places = wake["y"].astype(float) + 1j * wake["z"].astype(float)
-    nodes = result.frame("node_position", last).astype(float) @ np.array([1.0, 1j])
-    bound = 0.75 * nodes[:-1] + 0.25 * nodes[1:]
-    induced = _induced(places, places, wake["circulation"])
-    kept = np.arange(len(places)) >= len(places) - count
-    whole = induced.sum(axis=1) + _induced(places, bound, result.frame("panel_circulation", last)).sum(axis=1)
-    lost = induced[:, ~kept].sum(axis=1)
-    return float(np.sqrt(np.mean(abs(whole) ** 2))), float(np.sqrt(np.mean(abs(lost) ** 2)))
+    case, frames = result.case, np.concatenate(list(settled_beats(result.case, result.time)))
+    size, dt = case.wing.chord / case.uvlm.panels, case.step
+    own = np.sum([result.frame("panel_circulation", int(n)) for n in range(result.frames)], axis=1, dtype=float)
+    growth = np.zeros_like(own)
+    growth[2:] = (1.5 * own[2:] - 2.0 * own[1:-1] + 0.5 * own[:-2]) / dt
+    excess = -case.fluid.density * case.wing.span * size * 0.25 * growth
+    printed = harmonic(case, result.time[frames], result.force_normal[frames])
+    return printed, printed - harmonic(case, result.time[frames], excess[frames])
 
 
-def _induced(targets: NDArray[np.complex128], sources: NDArray[np.complex128], circulation: Array) -> Array:
-    """Complex conjugate velocity (m/s) at each target by each source (Eq. 30), none of a vortex on itself."""
-    apart = targets[:, None] - sources
-    itself = apart == 0.0
-    return np.where(itself, 0.0, circulation.astype(float) / (2j * np.pi * np.where(itself, 1.0, apart)))
+def pitch_energy(case: Case) -> tuple[float, float, float]:
+    """Largest value over a beat, in SI units, of the kinetic energy's T6 as printed and as meant, and of all of it.
+
+    A rigid wing: T3, T4 and T6 of the paper's Appendix A.
+    """
+    section = beam.modes(case.wing)
+    moved = motion.sample(case.motion, np.linspace(0.0, 1.0 / case.motion.frequency, 1001))
+    speed, rate = moved[:, PLUNGE_RATE], moved[:, PITCH_RATE]
+    printed = speed * np.cos(moved[:, PITCH]) * section.mass * case.wing.chord / 2.0
+    rest = 0.5 * section.mass * (speed**2 + rate**2 * case.wing.chord**2 / 3.0)
+    sizes = (np.abs(values).max() for values in (printed, printed * rate, rest + printed * rate))
+    return tuple(map(float, sizes))  # type: ignore[return-value]

@@ -7,7 +7,7 @@ from .measured import Measured
 from .page import Table
 from .paper import GAIN, TABLE_5, Settings
 from .plan import NO_ADDED_MASS, RIGID, ROW, TRUNCATED, UNDAMPED, Runs, key
-from .verdicts import DEFINITIONS, NAMES, closer, mean_force
+from .verdict import DEFINITIONS, NAMES, closer, mean_force
 
 WINGS = (("rigid", (RIGID,)), ("flexible", ()))
 
