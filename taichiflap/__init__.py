@@ -14,31 +14,39 @@ from ._version import __version__
 
 if TYPE_CHECKING:
     from .case import Case, CaseError, load_case
+    from .maps import Map, open_map
     from .metrics import summarise
     from .results import Result, ResultError, open_result
     from .run import simulate
+    from .studies.sweep import sweep
 
 _HOMES = {
     "Case": "case",
     "CaseError": "case",
+    "Map": "maps",
     "Result": "results",
     "ResultError": "results",
     "load_case": "case",
+    "open_map": "maps",
     "open_result": "results",
     "simulate": "run",
     "summarise": "metrics",
+    "sweep": "studies.sweep",
 }
 
 __all__ = [
     "Case",
     "CaseError",
+    "Map",
     "Result",
     "ResultError",
     "__version__",
     "load_case",
+    "open_map",
     "open_result",
     "simulate",
     "summarise",
+    "sweep",
 ]
 
 

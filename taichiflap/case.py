@@ -137,12 +137,10 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
             problems.append(f"--set {setting}: write KEY=VALUE, for example wing.modes=0")
             continue
         try:
-            value = tomllib.loads(f"value = {text}")["value"]
-        except (tomllib.TOMLDecodeError, RecursionError):
-            if not text.replace("-", "_").isidentifier():
-                problems.append(f'--set {setting}: {text!r} is not a number, true, false, a "text" or a [list]')
-                continue
-            value = text
+            value = read_value(text)
+        except ValueError as error:
+            problems.append(f"--set {setting}: {error}")
+            continue
         *tables, last = key.split(".")
         table = changed
         for name in tables:
@@ -156,6 +154,20 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
     if problems:
         raise CaseError(source, problems)
     return changed
+
+
+def read_value(text: str) -> Any:
+    """The value that a setting gives: TOML, or a bare word as a string.
+
+    Raises:
+        ValueError: when it is neither.
+    """
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except (tomllib.TOMLDecodeError, RecursionError):
+        if text.replace("-", "_").isidentifier():
+            return text
+        raise ValueError(f'{text!r} is not a number, true, false, a "text" or a [list]') from None
 
 
 def case_schema() -> dict[str, Any]:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .commands import studies
+from .commands.options import CaseFile, Settings
 from .errors import UserError
 
 if TYPE_CHECKING:
@@ -19,12 +21,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Fast, trustworthy models of flexible flapping wings.",
 )
-
-CaseFile = Annotated[Path, typer.Argument(help="case file, TOML", show_default=False)]
-Settings = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="change a key of the case file; may be repeated"),
-]
 
 
 def main() -> None:
@@ -104,10 +100,17 @@ def view(
 
 
 @app.command()
-def info(file: Annotated[Path, typer.Argument(help="result file", show_default=False)]) -> None:
-    """Summarise a result file."""
+def info(file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)]) -> None:
+    """Summarise a result or a map."""
+    from .maps import is_map, open_map
     from .results import open_result
 
+    if is_map(file):
+        from .map_report import map_lines
+
+        with open_map(file) as sheet:
+            print("\n".join(map_lines(sheet)))
+        return
     with open_result(file) as result:
         _print_summary(result)
 
@@ -213,6 +216,9 @@ def reproduce(
         found = study.reproduce(output, overwrite=overwrite, progress=progress)
     print(*found, sep="\n")
     print(f"{output / study.REPORT}, {output / study.PAGE} and {output / study.DATA} written")
+
+
+app.command()(studies.sweep)
 
 
 @app.command()

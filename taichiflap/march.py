@@ -127,10 +127,11 @@ def track_frame(body: View, track: View, b, frame):
 
 
 @functools.cache
-def kernel(fluid: ModuleType) -> Any:
+def kernel(fluid: ModuleType, film: bool = True) -> Any:
     """The kernel that marches a batch with a fluid model: many steps of many cases in one launch."""
 
-    Batch = ti.types.argpack(body=Body, track=Track, **fluid.GROUPS)
+    groups = {name: group for name, group in fluid.GROUPS.items() if film or name != "film"}
+    Batch = ti.types.argpack(body=Body, track=Track, **groups)
 
     @ti.func
     def march_case(batch: View, b, first, last):
@@ -147,7 +148,8 @@ def kernel(fluid: ModuleType) -> Any:
                 if n % every == 0:
                     frame = n // every - (first + every - 1) // every
                     track_frame(batch.body, batch.track, b, frame)
-                    fluid.record(batch, b, frame)
+                    if ti.static(film):
+                        fluid.record(batch, b, frame)
 
     @ti.kernel
     def march(batch: Batch, first: ti.i32, last: ti.i32, cases: ti.i32, lanes: ti.i32):  # type: ignore[valid-type]
@@ -166,9 +168,10 @@ class March:
         cases: cases that share their solver; everything else may differ.
         fluid: the module of the fluid model.
         threads: how many threads may work at once; all of them if None. It does not change any result.
+        film: keep the fields of the fluid model too; without them frames are few bytes, for studies of many cases.
     """
 
-    def __init__(self, cases: Sequence[Case], fluid: ModuleType, threads: int | None = None) -> None:
+    def __init__(self, cases: Sequence[Case], fluid: ModuleType, threads: int | None = None, film: bool = True) -> None:
         start()
         self.cases = list(cases)
         self.fluid = fluid
@@ -178,6 +181,7 @@ class March:
         self.groups = fluid.allocate(self.cases, self.sections)
         self.steps = max(case.steps for case in self.cases)
         self.next_step = 0
+        self._filming = film
         self._lanes = tasks(len(self.cases), threads)
         self._room = 0
 
@@ -220,12 +224,14 @@ class March:
             modal_force=ti.ndarray(ti.f64, (count, frames, most)),
             force=ti.ndarray(ti.f64, (count, frames, 4)),
         )
-        self._film = self.fluid.film(self.cases, frames)
-        group, self._kernel = kernel(self.fluid)
-        self._batch = group(body=self.body, track=self._track, film=self._film, **self.groups)
+        film = {"film": self.fluid.film(self.cases, frames)} if self._filming else {}
+        self._film = film.get("film")
+        group, self._kernel = kernel(self.fluid, self._filming)
+        self._batch = group(body=self.body, track=self._track, **film, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
-        fields = {name: view(values) for name, values in (*self._track.items, *self._film.items)}
+        film = self._film.items if self._filming else ()
+        fields = {name: view(values) for name, values in (*self._track.items, *film)}
         failed = self.failures()
         collected = []
         for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):
@@ -235,6 +241,7 @@ class March:
             frames = {name: values[b, : len(step)] for name, values in fields.items()}
             frames["q"] = frames["q"][..., : section.count]
             frames["modal_force"] = frames["modal_force"][:, : section.count]
-            frames = self.fluid.trim(frames, case)
+            if self._filming:
+                frames = self.fluid.trim(frames, case)
             collected.append({"step": step} | {name: values.copy() for name, values in frames.items()})
         return collected

@@ -128,3 +128,13 @@ def _shown(value: Any) -> str:
         return f'"{value}"' if len(value) <= 60 else f'"{value[:57]}..."'
     text = str(list(value)) if isinstance(value, tuple) else str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def key_units(name: str, root: type[BaseModel]) -> tuple[str, str]:
+    """Unit and meaning of a dotted key of the model `root`, empty where it has none."""
+    owner, key = _owner([*name.split(".")], root)
+    if owner is None:
+        return "", ""
+    field = owner.model_fields[key]
+    extra = field.json_schema_extra
+    return str(extra.get("unit", "")) if isinstance(extra, dict) else "", field.description or ""

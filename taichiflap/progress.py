@@ -1,6 +1,8 @@
 """The progress bar of a run in a terminal: beats, rate, time left."""
 
 import contextlib
+import sys
+import time
 from collections.abc import Callable, Iterator
 
 from rich.console import Console
@@ -9,6 +11,9 @@ from rich.text import Text
 
 from .case import Case
 from .run import Progress as Callback
+
+LOG_SECONDS = 30.0
+"""Between two lines of a log."""
 
 
 class _Rate(ProgressColumn):
@@ -42,3 +47,42 @@ def share(title: str) -> Iterator[Callable[[float], None]]:
     with Progress(*columns, TimeRemainingColumn(compact=True), console=Console(stderr=True), transient=True) as shown:
         task = shown.add_task(title, total=1.0)
         yield lambda done: shown.update(task, completed=done)
+
+
+@contextlib.contextmanager
+def cases(title: str) -> Iterator[Callable[[float, int], None]]:
+    """A bar on stderr for a study of many cases: rate and time left; yields what the study calls."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}"), _CaseRate())
+    with Progress(*columns, TimeRemainingColumn(compact=True), console=Console(stderr=True), transient=True) as shown:
+        task = shown.add_task(title, total=None, count="")
+
+        def update(done: float, total: int) -> None:
+            shown.update(task, completed=done, total=total, count=f"{int(done):,} of {total:,} cases")
+
+        yield update
+
+
+class _CaseRate(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        return Text(f"{task.speed:,.3g} cases/s" if task.speed else "")
+
+
+@contextlib.contextmanager
+def log(title: str) -> Iterator[Callable[[float, int], None]]:
+    """The same as lines on stderr, one in half a minute, for a run that nobody watches."""
+    began = said = time.monotonic()
+    found: float | None = None
+
+    def update(done: float, total: int) -> None:
+        nonlocal said, found
+        found = done if found is None else found  # what an earlier run left does not count as speed
+        now = time.monotonic()
+        if now - said < LOG_SECONDS or done <= found:
+            return
+        said = now
+        rate = (done - found) / (now - began)
+        minutes = (total - done) / rate / 60
+        said_so_far = f"{title}: {int(done):,} of {total:,} cases"
+        print(f"{said_so_far}, {rate:.3g} a second, {minutes:.0f} min left", file=sys.stderr)
+
+    yield update

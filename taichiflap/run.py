@@ -122,7 +122,10 @@ def block_steps(cases: Sequence[Case], fluid: Any, step: int) -> int:
 def _finish(writer: Writer, failed: np.int32, solve_time: float) -> Result:
     if failed < 0:
         return writer.finish("complete", solve_time=solve_time)
-    reason = (
-        f"values ceased to be finite at step {failed}; more steps a period, fewer modes, or a larger uvlm.core may help"
-    )
-    return writer.finish("failed", solve_time=solve_time, reason=reason)
+    return writer.finish("failed", solve_time=solve_time, reason=failure(int(failed)))
+
+
+def failure(step: int) -> str:
+    """Why a case that failed at `step` did, and what may help."""
+    cures = "more steps a period, fewer modes, or a larger uvlm.core may help"
+    return f"values ceased to be finite at step {step}; {cures}"

@@ -1,0 +1,25 @@
+"""Arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+CaseFile = Annotated[Path, typer.Argument(help="case file, TOML", show_default=False)]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="change a key of the case file; may be repeated"),
+]
+Threads = Annotated[int | None, typer.Option(min=1, help="threads to use  [default: all]")]
+Vary = Annotated[
+    list[str],
+    typer.Option(
+        "--vary",
+        metavar="KEY=a:b:n[:log]|v1,v2,...",
+        help="a key of the case file and its values; may be repeated. With --sample, a range a:b or a:b:log",
+    ),
+]
+Cluster = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS|local:N", help="run on a Dask scheduler, or on N worker processes here"),
+]

@@ -1,0 +1,168 @@
+"""Run every case of a design that a map file lacks, batch by batch, here or on a cluster."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .. import maps
+from .._version import __version__
+from ..case import Case, CaseError
+from ..design import Design, design
+from ..maps import Map, MapError, Outcome
+from .batch import Batch, batches, compute
+from .quantities import QUANTITIES, choose
+
+Progress = Callable[[float, int], None]
+"""Called with the cases done, the running ones in part, and all cases."""
+
+
+@dataclass(frozen=True)
+class Spec:
+    """How batches are to be run: what to keep of each case, the threads, and whom to tell how many more are done."""
+
+    metrics: list[str]
+    keep_series: bool
+    threads: int | None
+    progress: Callable[[float], None]
+
+
+def sweep(
+    case: Case,
+    vary: Mapping[str, Any],
+    output: str | Path | None = None,
+    *,
+    sample: str | None = None,
+    seed: int = 0,
+    metrics: Sequence[str] = (),
+    keep: str | None = None,
+    cluster: str | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    overwrite: bool = False,
+) -> Any:
+    """Run a case over a design and return its map as an `xarray.Dataset` with named coordinates and units.
+
+    Args:
+        case: the base case.
+        vary: for each key its values, or `"a:b:n"`, `"a:b:n:log"`; see `taichiflap.design.design`.
+        output: the map file, or None to keep the map in memory. What a file of the same design holds already is
+            not run again.
+        sample, seed: a sampled design instead of a grid: `"sobol:256"` or `"lhs:300"`.
+        metrics: which metrics to keep; all if empty.
+        keep: `"series"` keeps the time series too.
+        cluster: address of a Dask scheduler, or `"local:N"` for N worker processes here.
+        threads: how many threads to use; all of them if None. It does not change any result.
+        progress: called with the number of cases done and of all cases.
+        overwrite: replace an existing file of another design.
+
+    Raises:
+        UserError: for a design, a metric, a file or a cluster that cannot be, in one sentence.
+    """
+    planned = design(case, vary, sample, seed)
+    with prepare(case, planned, output, metrics=metrics, keep=keep, overwrite=overwrite) as sheet:
+        fill(sheet, cluster=cluster, threads=threads, progress=progress)
+        return sheet.to_xarray()
+
+
+def prepare(
+    case: Case,
+    planned: Design,
+    output: str | Path | None,
+    *,
+    metrics: Sequence[str] = (),
+    keep: str | None = None,
+    overwrite: bool = False,
+) -> Map:
+    """The map to fill: a new one, or the one that an earlier run of the same study began.
+
+    Raises:
+        MapError: when the file belongs to another study.
+        QuantityError: for a metric that does not exist.
+    """
+    chosen = choose(metrics)
+    if keep not in (None, "series"):
+        raise MapError(f"--keep {keep}: only series can be kept beside the metrics")
+    path = None if output is None else Path(output)
+    if path is not None and path.exists() and not path.is_dir() and not overwrite:
+        sheet = maps.open_map(path, write=True)
+        try:
+            _check_same(sheet, case, planned, chosen, keep is not None)
+        except MapError:
+            sheet.close()
+            raise
+        return sheet
+    return maps.create(path, case, planned, {name: QUANTITIES[name] for name in chosen}, series=keep is not None)
+
+
+def fill(
+    sheet: Map, *, cluster: str | None = None, threads: int | None = None, progress: Progress | None = None
+) -> None:
+    """Run the cases that a map lacks; each batch is on the disk before the next is waited for.
+
+    Raises:
+        MapError: when the disk refuses.
+        ClusterError: when the cluster does not answer, or cannot run taichiflap.
+    """
+    pending = sheet.pending
+    total = sheet.design.size
+    done = total - len(pending)
+
+    def tell(more: float) -> None:
+        if progress:
+            progress(done + more, total)
+
+    def sound(found: Iterable[Any]) -> Iterator[Batch]:
+        """Batches alone; a case whose values do not go together is recorded as failed on the way."""
+        nonlocal done
+        for one in found:
+            if isinstance(one, Batch):
+                yield one
+            else:
+                number, error = one
+                sheet.record([number], [Outcome(reason=_sentence(error))])
+                done += 1
+
+    runner = here
+    if cluster is not None and len(pending):
+        from .cluster import runner as remote  # noqa: PLC0415 - an optional extra
+
+        runner = remote(cluster)
+        threads = 1
+    tell(0.0)
+    found = sound(batches(sheet.case, sheet.design, pending, threads))
+    for batch, outcomes in runner(found, Spec(sheet.metrics, sheet.keeps_series, threads, tell)):
+        sheet.record(batch.numbers, outcomes)
+        done += len(batch.numbers)
+        tell(0.0)
+    sheet.finish()
+
+
+def here(found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outcome]]]:
+    """Run batches in this process, one after the other."""
+    for batch in found:
+
+        def tell(share: float, count: int = len(batch.cases)) -> None:
+            spec.progress(share * count)
+
+        options = {"keep_series": spec.keep_series, "threads": spec.threads}
+        yield batch, compute(batch.cases, spec.metrics, progress=tell, **options)
+
+
+def _sentence(error: CaseError) -> str:
+    return "; ".join(error.problems)
+
+
+def _check_same(sheet: Map, case: Case, planned: Design, metrics: list[str], series: bool) -> None:
+    differences = {
+        "another case file or other --set": sheet.case.to_dict() != case.to_dict(),
+        "another --vary, --sample or --seed": sheet.design != planned,
+        "other metrics": sheet.metrics != metrics,
+        "another --keep": sheet.keeps_series != series,
+        f"taichiflap {sheet.file.attrs['source'].split()[-1]}": sheet.file.attrs["source"].split()[-1] != __version__,
+    }
+    found = [name for name, differs in differences.items() if differs]
+    if found:
+        raise MapError(
+            f"{sheet.path}: holds a study with {', '.join(found)}; name another file with -o, or --overwrite this one"
+        )

@@ -1,0 +1,300 @@
+"""Designs and sweeps: the points that they should hold, the same bits as single runs, and what survives a crash."""
+
+import subprocess
+import sys
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray
+from conftest import CASES, hawkmoth
+
+import taichiflap
+from taichiflap import maps
+from taichiflap.design import design, read_vary
+from taichiflap.errors import UserError
+from taichiflap.studies import batch, quantities
+from taichiflap.studies.sweep import fill, prepare
+
+SHORT = ("time.periods=2", "time.steps_per_period=40", "uvlm.panels=8", "dbet.elements=8")
+SPINNING = ("motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0", "fluid.density=0.0", "time.periods=60")
+
+
+@pytest.fixture(scope="module")
+def case():
+    return hawkmoth(*SHORT)
+
+
+def same_bits(first, second):
+    np.testing.assert_array_equal(np.float64(first).view(np.int64), np.float64(second).view(np.int64))
+
+
+def test_a_range_is_even_or_even_in_its_logarithm(case):
+    made = design(case, read_vary(["wing.youngs_modulus=5e9:60e9:4:log", "motion.pitch.amplitude_deg=5:45:41"]))
+    modulus, pitch = (np.array(axis.values) for axis in made.axes)
+    np.testing.assert_allclose(modulus[1:] / modulus[:-1], 12 ** (1 / 3))
+    assert (modulus[0], modulus[-1]) == (5e9, 60e9)
+    np.testing.assert_allclose(pitch, np.arange(5.0, 46.0))
+    assert (made.shape, made.size) == ((4, 41), 164)
+    assert made.point(42) == {"wing.youngs_modulus": modulus[1], "motion.pitch.amplitude_deg": pitch[1]}
+    assert made.case(case.to_dict(), 42).motion.pitch.amplitude_deg == 6.0
+
+
+@pytest.mark.parametrize(
+    ("spec", "values"),
+    [
+        ("solver=dbet,uvlm", ["dbet", "uvlm"]),
+        ('uvlm.wake=10,"all"', ["10", "all"]),
+        ("fluid.velocity=[0.0, 0.0],[1.0, 0.5]", ["[0.0, 0.0]", "[1.0, 0.5]"]),
+        ("dbet.added_mass=true,false", ["true", "false"]),
+        ("uvlm.panels=10:160:5:log", [10, 20, 40, 80, 160]),
+        ("wing.chord=1,2", [1.0, 2.0]),
+    ],
+)
+def test_any_key_varies_in_its_own_type(case, spec, values):
+    made = design(case, read_vary([spec]))
+    assert list(made.axes[0].values) == values
+    assert [type(value) for value in made.axes[0].values] == [type(value) for value in values]
+    key = spec.partition("=")[0]
+    taken = [eval(f"one.{key}", {"one": made.case(case.to_dict(), i)}) for i in range(made.size)]
+    assert [str(value).strip('"').lower().replace("(", "[").replace(")", "]") for value in taken] == list(
+        map(str, values)
+    )
+
+
+@pytest.mark.parametrize("sample", ["sobol:64", "lhs:50"])
+def test_a_sample_fills_its_ranges_evenly(case, sample):
+    vary = {"wing.youngs_modulus": "1e9:1e11:log", "wing.modes": "0:3", "solver": "dbet,uvlm"}
+    made = design(case, vary, sample, seed=7)
+    assert made == design(case, vary, sample, seed=7) != design(case, vary, sample, seed=8)
+    count = int(sample.partition(":")[2])
+    assert made.shape == (count,)
+    modulus = np.log10([made.point(i)["wing.youngs_modulus"] for i in range(count)])
+    # One point in each of N equal slices: what defines a Latin hypercube, and Sobol's first N = 2^m points too.
+    assert sorted(np.floor((modulus - 9.0) / 2.0 * count).astype(int)) == list(range(count))
+    assert {made.point(i)["wing.modes"] for i in range(count)} == {0, 1, 2, 3}
+    assert [made.point(i)["solver"] for i in range(count)].count("uvlm") == count // 2
+
+
+MISTAKES = [
+    (["wing.chrod=1:2:3"], {}, "wing.chrod: unknown key; did you mean wing.chord?"),
+    (["wing.chord=-1:2:3"], {}, "wing.chord = -1.0: must be a number > 0"),
+    (["wing.chord=1:1:3"], {}, "an empty range"),
+    (["wing.chord=1:2:0"], {}, "0 values; a range has at least 2"),
+    (["wing.chord=1:2"], {}, "how many values? Write a:b:n, or add --sample"),
+    (["wing.chord=1:2:3:4"], {}, "write a:b:n"),
+    (["wing.chord=a:b:3"], {}, "with plain numbers"),
+    (["wing.chord=1:inf:3"], {}, "finite"),
+    (["wing.chord=0:1:3:log"], {}, "a log range has both ends above zero"),
+    (["wing.chord=1,1"], {}, "a value is there twice"),
+    (["wing.modes=0:2:9"], {}, "more values than there are whole numbers"),
+    (["wing.chord"], {}, "write KEY=a:b:n"),
+    (["wing.chord=1,2", "wing.chord=3,4"], {}, "varies already"),
+    (["wing.chord=1:2:1000000000000"], {}, "at most 10,000,000 cases"),
+    (["wing.chord=1:2:10000", "wing.span=1:2:10000"], {}, "100,000,000 cases; at most"),
+    (["wing.chord=1:2"], {"sample": "sobol:100"}, "powers of two; take 64 or 128"),
+    (["wing.chord=1:2"], {"sample": "halton:8"}, "write sobol:N or lhs:N"),
+    (["wing.chord=1:2:3"], {"sample": "lhs:8"}, "give the range alone"),
+    (["solver=dbet,navier"], {}, 'solver = "navier": must be "uvlm" or "dbet"'),
+    ([], {}, "nothing varies"),
+]
+
+
+@pytest.mark.parametrize(("vary", "more", "sentence"), MISTAKES, ids=[m[2] for m in MISTAKES])
+def test_a_design_that_cannot_be_is_refused_in_a_sentence(case, vary, more, sentence):
+    with pytest.raises(UserError) as refused:
+        design(case, read_vary(vary), **more)
+    assert sentence in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_metrics_are_those_of_the_result_of_a_single_run(case):
+    sheet = taichiflap.sweep(case, {"solver": ["dbet", "uvlm"], "wing.youngs_modulus": "2e10:4e10:2"}, keep="series")
+    for solver in ("dbet", "uvlm"):
+        with taichiflap.simulate(case.override(f"solver={solver}", "wing.youngs_modulus=4e10")) as result:
+            summary = taichiflap.summarise(result)
+            here = sheet.sel({"solver": solver, "wing.youngs_modulus": 4e10})
+            same_bits(here.force_vertical_mean, summary.force_vertical.mean)
+            same_bits(here.tip_peak_spread, summary.tip_peak.spread)
+            same_bits(here.force_normal_phase, summary.force_normal_phase)
+            same_bits(here.lift_per_power, summary.force_vertical.mean / summary.power.mean)
+            for name in quantities.SERIES:
+                same_bits(here[name], getattr(result, name))
+            same_bits(here.time, result.time)
+
+
+def test_harmonics_are_those_of_a_known_series(case):
+    time = np.arange(1, 2001) / (25.0 * 500)
+    turn = 2 * np.pi * 25.0 * time
+    known = 3.0 + 2.0 * np.cos(turn + 0.5) + 0.25 * np.cos(3 * turn - 1.0)
+    series = {name: np.zeros_like(time) for name in quantities.SERIES} | {"force_normal": known}
+    found = quantities.measure(SimpleNamespace(case=case, time=time, **series), quantities.choose([]))
+    for name, value in {
+        "force_normal_mean": 3.0,
+        "force_normal_harmonic_1": 2.0,
+        "force_normal_harmonic_1_phase": np.degrees(0.5),
+        "force_normal_harmonic_2": 0.0,
+        "force_normal_harmonic_3": 0.25,
+        "force_normal_harmonic_3_phase": np.degrees(-1.0),
+    }.items():
+        assert found[name] == pytest.approx(value, abs=1e-12), name
+
+
+def test_names_of_metrics_in_any_order_of_words():
+    assert quantities.resolve("vertical_force_mean") == "force_vertical_mean"
+    assert quantities.choose(["mean_power", "power_mean"]) == ["power_mean"]
+    with pytest.raises(quantities.QuantityError, match=r"did you mean force_vertical_mean\?"):
+        quantities.resolve("vertical_forc_mean")
+
+
+def test_a_case_gives_the_same_bits_in_batches_of_any_size_and_order(case, monkeypatch):
+    vary = {"wing.modes": "0,1,3", "uvlm.wake": '10,"all"', "solver": "uvlm,dbet", "time.steps_per_period": "40,60"}
+    together = taichiflap.sweep(case, vary)
+    monkeypatch.setattr(batch, "BATCH_BYTES", 1)
+    monkeypatch.setattr(batch, "LAUNCH_WORK", 1e4)
+    alone = taichiflap.sweep(case, vary, threads=1)
+    assert together.force_vertical_mean.notnull().all()
+    for name in together.data_vars:
+        if name != "reason":
+            np.testing.assert_array_equal(together[name], alone[name], err_msg=name)
+
+
+def test_batches_are_of_one_solver_and_bounded_in_memory(case, monkeypatch):
+    monkeypatch.setattr(batch, "BATCH_BYTES", 2**20)
+    monkeypatch.setattr(batch, "WINDOW", 128)
+    planned = design(case, {"solver": "dbet,uvlm", "wing.youngs_modulus": "1e10:2e10:250"})
+    seen = []
+    for one in batch.batches(case, planned, np.arange(planned.size)[::-1], threads=2):
+        assert len({c.solver for c in one.cases}) == 1
+        assert sum(map(batch.memory, one.cases)) <= batch.BATCH_BYTES
+        seen += one.numbers
+    assert sorted(seen) == list(range(500))
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_a_map_opens_in_xarray_as_it_is(case, engine, tmp_path):
+    vary = {"wing.youngs_modulus": "1e10:2e10:3", "solver": "dbet,uvlm"}
+    returned = taichiflap.sweep(case, vary, tmp_path / "map.h5", keep="series")
+    with xarray.open_dataset(tmp_path / "map.h5", engine=engine) as opened:
+        assert opened.sizes == {"wing.youngs_modulus": 3, "solver": 2, "frame": 81}
+        assert opened["wing.youngs_modulus"].attrs == {"units": "Pa", "long_name": "Young's modulus"}
+        assert opened.force_vertical_mean.attrs["units"] == "N"
+        xarray.testing.assert_equal(opened.drop_vars("reason").load(), returned.drop_vars("reason"))
+    taichiflap.sweep(case, {"wing.youngs_modulus": "1e10:2e10"}, tmp_path / "some.h5", sample="lhs:3")
+    with xarray.open_dataset(tmp_path / "some.h5", engine=engine) as opened:
+        assert opened.power_mean.dims == ("sample",)
+        assert opened["wing.youngs_modulus"].dims == ("sample",)
+        assert "wing.youngs_modulus" in opened.coords
+
+
+def test_a_case_that_fails_is_recorded_with_its_reason_and_the_rest_goes_on():
+    case = hawkmoth("solver=dbet", "dbet.elements=8", *SPINNING, "output.every=1000")
+    vary = {"wing.youngs_modulus": [1e12, 1.0], "time.periods": [2, 60], "time.steps_per_period": [200, 90_000]}
+    sheet = taichiflap.sweep(case, vary)
+    assert sheet.status.values[0, 0].tolist() == [maps.COMPLETE] * 2
+    assert sheet.status.values[:, 1, 1].tolist() == [maps.FAILED] * 2
+    assert "at most 5000000 steps" in sheet.reason.values[0, 1, 1]
+    assert np.isfinite(sheet.power_mean.values[0, 0, 1])
+    assert "ceased to be finite at step" in sheet.reason.values[1, 1, 0]
+    assert np.isnan(sheet.power_mean.values[1, 1, 0])
+
+
+def test_only_what_is_missing_runs_again(case, tmp_path, monkeypatch):
+    vary = {"wing.youngs_modulus": "1e10:2e10:8"}
+    whole = taichiflap.sweep(case, vary)
+    monkeypatch.setattr(batch, "BATCH_BYTES", 1)
+    ran = []
+    real = batch.compute
+
+    def counted(cases, *more, **options):
+        if len(ran) == 3:
+            raise KeyboardInterrupt
+        ran.extend(cases)
+        return real(cases, *more, **options)
+
+    monkeypatch.setattr("taichiflap.studies.sweep.compute", counted)
+    with pytest.raises(KeyboardInterrupt):
+        taichiflap.sweep(case, vary, tmp_path / "map.h5")
+    with taichiflap.open_map(tmp_path / "map.h5") as sheet:
+        assert len(sheet.pending) == 5
+    again = []
+    monkeypatch.setattr("taichiflap.studies.sweep.compute", lambda c, *m, **o: again.extend(c) or real(c, *m, **o))
+    resumed = taichiflap.sweep(case, vary, tmp_path / "map.h5")
+    assert len(again) == 5
+    assert not set(map(repr, again)) & set(map(repr, ran))
+    xarray.testing.assert_equal(resumed, whole)
+
+
+def test_a_sweep_that_is_killed_loses_no_finished_batch(tmp_path):
+    """Killed for real, at whatever it was doing, then finished by the same command."""
+    settings = ["--set=time.periods=1", "--set=uvlm.panels=20", "--threads=1"]
+    command = [sys.executable, "-c", KILLED.format(batch=5), "sweep", str(CASES / "hawkmoth.toml"), *settings]
+    command += ["--vary", "wing.youngs_modulus=1e10:2e10:60", "-o", "map.h5"]
+    with subprocess.Popen(command, cwd=tmp_path) as process:
+        until = time.monotonic() + 120
+        while not done(tmp_path / "map.h5") and time.monotonic() < until:
+            time.sleep(0.02)
+        process.kill()
+    finished = done(tmp_path / "map.h5")
+    assert 0 < finished < 60
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert f"{finished} of 60 cases are there already" in ran.stdout
+    assert "60 complete, 0 failed" in ran.stdout
+
+
+KILLED = """
+import sys
+from taichiflap.studies import batch
+batch.BATCH_WORK, batch.SHARES = 0.0, {batch}
+from taichiflap.cli import main
+main()
+"""
+
+
+def done(path):
+    try:
+        with taichiflap.open_map(path) as sheet:
+            return sheet.design.size - len(sheet.pending)
+    except UserError:
+        return 0
+
+
+def test_a_map_of_another_study_is_kept(case, tmp_path):
+    path = tmp_path / "map.h5"
+    vary = {"wing.youngs_modulus": "1e10,2e10"}
+    taichiflap.sweep(case, vary, path)
+    for change, sentence in (
+        ({"case": case.override("wing.modes=0")}, "another case file"),
+        ({"vary": {"wing.youngs_modulus": "1e10,3e10"}}, "another --vary"),
+        ({"metrics": ["power_mean"]}, "other metrics"),
+        ({"keep": "series"}, "another --keep"),
+    ):
+        with pytest.raises(maps.MapError, match=sentence):
+            taichiflap.sweep(**{"case": case, "vary": vary, "output": path, **change})
+    other = taichiflap.sweep(case.override("wing.modes=0"), vary, path, overwrite=True)
+    assert (other.tip_peak_mean == 0).all()
+
+
+def test_files_that_are_no_maps_are_refused(case, tmp_path):
+    (tmp_path / "text.h5").write_text("no")
+    taichiflap.simulate(case, tmp_path / "result.h5").close()
+    for name, sentence in (("text.h5", "not a readable map"), ("result.h5", "not a map"), (".", "is a directory")):
+        with pytest.raises(maps.MapError, match=sentence):
+            taichiflap.sweep(case, {"wing.modes": "0,1"}, tmp_path / name)
+    with pytest.raises(maps.MapError, match="no such file"):
+        taichiflap.open_map(tmp_path / "absent.h5")
+    with pytest.raises(maps.MapError, match="cannot be created"):
+        taichiflap.sweep(case, {"wing.modes": "0,1"}, tmp_path / "no" / "map.h5")
+    with pytest.raises(maps.MapError, match="only series"):
+        taichiflap.sweep(case, {"wing.modes": "0,1"}, keep="frames")
+
+
+def test_two_studies_do_not_write_one_map(case, tmp_path):
+    planned = design(case, {"wing.modes": "0,1"})
+    with prepare(case, planned, tmp_path / "map.h5") as sheet:
+        script = f"import taichiflap; taichiflap.open_map({str(tmp_path / 'map.h5')!r}, write=True)"
+        ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+        assert "another study is writing it" in ran.stderr
+        fill(sheet)
+        assert not len(sheet.pending)
