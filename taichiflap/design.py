@@ -86,7 +86,7 @@ class Design:
         document = case.to_dict()
         first = {axis.key: axis.values[0] for axis in self.axes}
         for axis in self.axes:
-            ends = (min(axis.values), max(axis.values)) if axis.numeric else dict.fromkeys(axis.values)  # type: ignore[type-var]
+            ends = (min(axis.values), max(axis.values)) if axis.numeric else dict.fromkeys(axis.values)
             for value in ends:
                 settings = [f"{key}={one}" for key, one in {**first, axis.key: value}.items()]
                 parse_case(apply_settings(document, settings, "--vary"), "--vary")

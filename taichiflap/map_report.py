@@ -44,7 +44,7 @@ def _range(axis: Axis, design: Design, units: str) -> str:
     count = len(axis.values) if design.grid else design.size
     if not axis.numeric:
         return ", ".join(map(str, dict.fromkeys(axis.values)))
-    low, high = min(axis.values), max(axis.values)  # type: ignore[type-var]
+    low, high = min(axis.values), max(axis.values)
     return f"{low:g} to {high:g} {units}, {count:,} values"
 
 

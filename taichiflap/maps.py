@@ -1,8 +1,8 @@
 """The map file: what came of every case of a design, in HDF5 that xarray and netCDF4 open as they are.
 
-Besides the modules of the result file the only one that knows h5py. All room is laid out before the first case runs, numbers
-are flushed before the status that vouches for them, and both after every batch: a crash at any moment costs no more
-than the batch that was running.
+Besides the modules of the result file the only one that knows h5py. All room is laid out before the first case runs,
+numbers are flushed before the status that vouches for them, and both after every batch: a crash at any moment costs
+no more than the batch that was running.
 """
 
 import os

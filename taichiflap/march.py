@@ -225,13 +225,12 @@ class March:
             force=ti.ndarray(ti.f64, (count, frames, 4)),
         )
         film = {"film": self.fluid.film(self.cases, frames)} if self._filming else {}
-        self._film = film.get("film")
+        self._stored = [self._track, *film.values()]
         group, self._kernel = kernel(self.fluid, self._filming)
         self._batch = group(body=self.body, track=self._track, **film, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
-        film = self._film.items if self._filming else ()
-        fields = {name: view(values) for name, values in (*self._track.items, *film)}
+        fields = {name: view(values) for group in self._stored for name, values in group.items}
         failed = self.failures()
         collected = []
         for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):

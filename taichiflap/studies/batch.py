@@ -89,7 +89,6 @@ def memory(case: Case) -> float:
 def compute(
     cases: Sequence[Case],
     metrics: Sequence[str],
-    *,
     keep_series: bool = False,
     threads: int | None = None,
     progress: Callable[[float], None] | None = None,

@@ -123,15 +123,10 @@ def fill(
                 sheet.record([number], [Outcome(reason=_sentence(error))])
                 done += 1
 
-    runner = here
-    if cluster is not None and len(pending):
-        from .cluster import runner as remote  # noqa: PLC0415 - an optional extra
-
-        runner = remote(cluster)
-        threads = 1
+    spec = Spec(sheet.metrics, sheet.keeps_series, 1 if cluster else threads, tell)
+    found = sound(batches(sheet.case, sheet.design, pending, spec.threads))
     tell(0.0)
-    found = sound(batches(sheet.case, sheet.design, pending, threads))
-    for batch, outcomes in runner(found, Spec(sheet.metrics, sheet.keeps_series, threads, tell)):
+    for batch, outcomes in _there(cluster, found, spec) if cluster and len(pending) else here(found, spec):
         sheet.record(batch.numbers, outcomes)
         done += len(batch.numbers)
         tell(0.0)
@@ -145,8 +140,13 @@ def here(found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outco
         def tell(share: float, count: int = len(batch.cases)) -> None:
             spec.progress(share * count)
 
-        options = {"keep_series": spec.keep_series, "threads": spec.threads}
-        yield batch, compute(batch.cases, spec.metrics, progress=tell, **options)
+        yield batch, compute(batch.cases, spec.metrics, spec.keep_series, spec.threads, tell)
+
+
+def _there(cluster: str, found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outcome]]]:
+    from .cluster import there  # noqa: PLC0415 - an optional extra
+
+    yield from there(cluster, found, spec.metrics, spec.keep_series)
 
 
 def _sentence(error: CaseError) -> str:

@@ -1,0 +1,97 @@
+"""Batches on a Dask cluster: handed to its workers, taken back as they come. The only module that knows Dask."""
+
+import logging
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from typing import Any
+
+from .._version import __version__
+from ..case import Case
+from ..errors import UserError
+from ..maps import Outcome
+from .batch import Batch, compute
+
+PATIENCE = 15
+"""Seconds to wait for a scheduler's answer."""
+AHEAD = 2
+"""Batches that wait or run for each thread of the workers, so that none idles while results travel."""
+RETRIES = 3
+
+_lane = ThreadPoolExecutor(1)
+"""The thread of a worker process that computes: Taichi wants the same one every time."""
+
+
+class ClusterError(UserError):
+    """A cluster that does not answer or cannot run taichiflap: one sentence with the address and the cure."""
+
+
+def there(
+    address: str, found: Iterable[Batch], metrics: Sequence[str], keep_series: bool
+) -> Iterator[tuple[Batch, list[Outcome]]]:
+    """Run batches on the scheduler at `address`, or on worker processes here for `"local:N"`, in any order.
+
+    A batch whose worker dies is run again on another.
+
+    Raises:
+        ClusterError: when nobody answers, or the workers cannot run taichiflap.
+    """
+    distributed = _dask()
+    waiting = iter(found)
+    with ExitStack() as stack:
+        client = _connect(distributed, address, stack)
+        coming = distributed.as_completed()
+        running: dict[Any, Batch] = {}
+
+        def send() -> None:
+            most = AHEAD * max(1, sum(client.nthreads().values()))
+            while len(running) < most and (batch := next(waiting, None)) is not None:
+                options = {"retries": RETRIES, "pure": False}
+                future = client.submit(work, __version__, batch.cases, metrics, keep_series, **options)
+                running[future] = batch
+                coming.add(future)
+
+        send()
+        while running:
+            future = next(coming)
+            batch = running.pop(future)
+            if future.status != "finished":
+                raise ClusterError(f"--cluster {address}: a batch of cases failed on a worker: {future.exception()}")
+            yield batch, future.result()
+            send()
+
+
+def work(version: str, cases: Sequence[Case], metrics: Sequence[str], keep_series: bool) -> list[Outcome]:
+    """Run a batch in a worker process, on one thread.
+
+    Raises:
+        ClusterError: when the worker has another version of taichiflap.
+    """
+    if version != __version__:
+        raise ClusterError(f"the worker has taichiflap {__version__}, the study was started with {version}")
+    return _lane.submit(compute, cases, metrics, keep_series, 1).result()
+
+
+def _dask() -> Any:
+    try:
+        import distributed  # noqa: PLC0415 - an optional extra
+    except ImportError:
+        raise ClusterError('--cluster needs Dask: pip install "taichiflap[cluster]"') from None
+    return distributed
+
+
+def _connect(distributed: Any, address: str, stack: ExitStack) -> Any:
+    place, _, count = address.partition(":")
+    if place == "local":
+        if not count.isdecimal() or not 1 <= int(count) <= 1024:
+            raise ClusterError(f"--cluster {address}: write local:N with N worker processes, 1 to 1024")
+        processes = {"n_workers": int(count), "threads_per_worker": 1, "processes": True, "host": "127.0.0.1"}
+        local = distributed.LocalCluster(**processes, dashboard_address=None, silence_logs=logging.CRITICAL)
+        return stack.enter_context(distributed.Client(stack.enter_context(local)))
+    try:
+        return stack.enter_context(distributed.Client(address, timeout=PATIENCE))
+    except (OSError, ValueError) as error:
+        reason = str(error).splitlines()[0] if str(error) else "no answer"
+        raise ClusterError(
+            f"--cluster {address}: nobody answers there ({reason}); start one with: dask scheduler"
+        ) from None

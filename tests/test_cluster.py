@@ -1,0 +1,111 @@
+"""Sweeps on Dask: a real scheduler and two worker processes, one of which dies in the middle."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import xarray
+from conftest import CASES, hawkmoth
+
+import taichiflap
+from taichiflap.errors import UserError
+
+VARY = {"wing.youngs_modulus": "1e10:4e10:12"}
+STUDY = """
+import taichiflap
+from taichiflap.studies import batch
+batch.BATCH_BYTES = 1  # a batch a case
+
+if __name__ == "__main__":
+    case = taichiflap.load_case({case!r}, ["time.periods=3", "uvlm.panels=20"])
+    taichiflap.sweep(case, {vary!r}, "map.h5", cluster={address!r})
+"""
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and two workers, each a process; yields its address and the workers."""
+    environment = {**os.environ, "DASK_DISTRIBUTED__ADMIN__LOG_FORMAT": "%(message)s"}
+    quiet = {"cwd": tmp_path, "env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    address_file = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "distributed.cli.dask_{}"]
+    common = ["--scheduler-file", str(address_file), "--no-dashboard"]
+    options = ["--port", "0", "--host", "127.0.0.1"]
+    processes = [subprocess.Popen([*dask[:2], dask[2].format("scheduler"), *common, *options], **quiet)]
+    while not address_file.exists() or not address_file.stat().st_size:
+        time.sleep(0.1)
+    worker = [*dask[:2], dask[2].format("worker"), *common, "--nthreads", "1", "--no-nanny"]
+    processes += [subprocess.Popen(worker, **quiet) for _ in range(2)]
+    yield json.loads(address_file.read_text())["address"], processes[1:]
+    for process in processes[::-1]:
+        process.kill()
+        process.wait()
+
+
+def test_a_cluster_gives_the_bits_of_this_process_and_outlives_a_worker(cluster, tmp_path):
+    address, workers = cluster
+    case = hawkmoth("time.periods=3", "uvlm.panels=20")
+    (tmp_path / "study.py").write_text(STUDY.format(case=str(CASES / "hawkmoth.toml"), vary=VARY, address=address))
+    with subprocess.Popen([sys.executable, "study.py"], cwd=tmp_path, stderr=subprocess.PIPE, text=True) as study:
+        until = time.monotonic() + 120
+        streamed = set()
+        while study.poll() is None and time.monotonic() < until:
+            streamed.add(done(tmp_path / "map.h5"))
+            if 0 < max(streamed) < 9 and workers[0].poll() is None:
+                workers[0].send_signal(signal.SIGKILL)
+            time.sleep(0.02)
+        said = study.communicate(timeout=5)[1]
+    assert study.returncode == 0, said
+    assert workers[0].poll() == -signal.SIGKILL
+    assert len(streamed) > 3  # results came one by one
+    with xarray.open_dataset(tmp_path / "map.h5") as remote:
+        here = taichiflap.sweep(case, VARY)
+        assert (remote.status == 1).all()
+        xarray.testing.assert_equal(remote.load().drop_vars("reason"), here.drop_vars("reason"))
+
+
+def done(path):
+    try:
+        with taichiflap.open_map(path) as sheet:
+            return sheet.design.size - len(sheet.pending)
+    except UserError:
+        return 0
+
+
+@pytest.mark.parametrize(
+    ("address", "sentence"),
+    [
+        ("tcp://127.0.0.1:9", "nobody answers there"),
+        ("carrier-pigeon://coop", "nobody answers there"),
+        ("local:none", "write local:N"),
+        ("local:0", "write local:N"),
+    ],
+)
+def test_an_address_that_nobody_answers_is_a_sentence_and_harms_nothing(address, sentence, tmp_path, monkeypatch):
+    monkeypatch.setattr("taichiflap.studies.cluster.PATIENCE", 1)
+    with pytest.raises(UserError) as refused:
+        taichiflap.sweep(hawkmoth("solver=dbet"), {"wing.modes": "0,1"}, tmp_path / "map.h5", cluster=address)
+    assert sentence in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert done(tmp_path / "map.h5") == 0
+
+
+def test_workers_started_here(tmp_path):
+    command = [sys.executable, "-m", "taichiflap", "sweep", str(CASES / "hawkmoth_dbet.toml"), "--set=time.periods=1"]
+    command += ["--vary", "wing.youngs_modulus=1e10:2e10:8", "-o", "map.h5", "--cluster", "local:1"]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=200)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert "8 complete, 0 failed" in ran.stdout
+
+
+def test_without_dask_the_extra_is_named(tmp_path):
+    (tmp_path / "distributed.py").write_text("raise ImportError")
+    command = [sys.executable, "-m", "taichiflap", "sweep", str(CASES / "hawkmoth_dbet.toml")]
+    command += ["--vary", "wing.modes=0,1", "-o", "map.h5", "--cluster", "local:2"]
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}:{CASES.parent}"}
+    ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (ran.returncode, 'pip install "taichiflap[cluster]"' in ran.stderr) == (2, True)
