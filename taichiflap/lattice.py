@@ -1,9 +1,9 @@
 """The vortex lattice on the deformed camber line: its panels, and the circulation that lets no fluid through.
 
-Reade & Jankauski (2020), Eqs 28-31. On the wing all is in wing axes (e_y, e_z); the bound vortices and the control
-points, which meet the wake, are also kept in Y, Z. With the wing and the wake in place the circulation is linear
-in the wing's velocity, hence in the modal acceleration: one elimination gives it for no acceleration (column 0)
-and for a unit rate of every mode (columns 1 to K).
+Reade & Jankauski (2020), Eqs 28-31; `taichiflap.spacing` says where its parts sit. On the wing all is in wing axes
+(e_y, e_z); the bound vortices and the control points, which meet the wake, are also kept in Y, Z. With the wing and
+the wake in place the circulation is linear in the wing's velocity, hence in the modal acceleration: one elimination
+gives it for no acceleration (column 0) and for a unit rate of every mode (columns 1 to K).
 """
 
 from collections.abc import Sequence
@@ -11,34 +11,38 @@ from typing import Any
 
 import numpy as np
 
-from . import linear, wake
+from . import linear, spacing, wake
 from .beam import Modes
-from .body import AMPLITUDE, RATE, array, most_modes, pivot_velocity, superpose, zeros
+from .body import AMPLITUDE, RATE, array, most_modes, pivot_velocity, zeros
 from .case import Case
 from .motion import PITCH, PITCH_RATE, PLUNGE
-from .runtime import Floats1, Floats2, Floats3, Ints1, Octet, Octets3, View, ti
-from .vortex import INV_2PI, Y, Z, induce, octet, store_octet
-from .wake import COUNT, YOUNGEST
+from .runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets3, View, ti
+from .spacing import EDGE_SLOPE, NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
+from .vortex import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet
+from .wake import ALONG_PATH, COUNT, DISTANCE, YOUNGEST
 
-TO_VORTEX, TO_POINT = 0.25, 0.75
-"""Bound vortex and control point along a panel (Table 4)."""
+ALONG, ACROSS = 2, 3
+"""Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
+FACTOR, FORCE = range(2)
+"""Columns of `suction`: N s2/m2 (`spacing.suction_factor`; 0: none), and N, as expected."""
 
 Lattice = ti.types.argpack(
     panels=Ints1,
+    whole=Ints1,  # 1: the pressure counts whole panels (`loads = "panels"`)
     density=Floats1,
     span=Floats1,
     stream=Floats2,
-    shape=Floats3,  # mode shapes at the nodes
+    shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.spacing
     node=Floats3,  # nodes in wing axes, and the rate of their deflection without acceleration
-    tangent=Floats3,  # panel's unit tangent t in wing axes; its normal is (-t_z, t_y)
     length=Floats2,
-    vortex=Floats3,  # bound vortices and control points in wing axes ...
+    vortex=Floats3,  # bound vortices and control points in wing axes, with the tangents there ...
     point=Floats3,
     bound=Floats3,  # ... and in Y, Z, the vortices with their circulation
     control=Floats3,
     wash=Floats3,  # velocity of the wake at the control points, in wing axes
     new=Floats3,  # and of a new vortex of unit circulation
-    slip=Floats2,  # tangential velocity of the fluid past the panel, as expected
+    slip=Floats3,  # row 0: tangential velocity of the fluid past the panel, as expected
+    suction=Floats2,
     sums=Floats3,  # circulation ahead of and on each panel, one step earlier and two
     total=Floats1,  # bound circulation, one step earlier
     pressure=Floats2,
@@ -53,28 +57,31 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     count = len(cases)
     most = -(-max(case.uvlm.panels for case in cases) // 8) * 8
     modes = most_modes(sections)
-    node = np.zeros((count, 3, most + 1))
-    shape = np.zeros((count, modes, most + 1))
+    node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
+    shape = np.zeros((count, modes, TABLES, most + 1))
+    suction = np.zeros((count, 2))
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
-        y = nodes(case)
-        node[b, Y, : len(y)] = y
-        shape[b, : section.count, : len(y)] = section.shape(y)
+        at, panels = spacing.stations(case), case.uvlm.panels
+        node[b, Y, : panels + 1], vortex[b, Y, :panels], point[b, Y, :panels] = at.node, at.vortex, at.point
+        shape[b, : section.count, :, : panels + 1] = spacing.tables(case, section.shape, section.slope)
+        suction[b, FACTOR] = spacing.suction_factor(case) if case.uvlm.suction else 0.0
     return Lattice(
         panels=array([case.uvlm.panels for case in cases]),
+        whole=array([int(case.uvlm.loads == "panels") for case in cases]),
         density=array([case.fluid.density for case in cases], float),
         span=array([case.wing.span for case in cases], float),
         stream=array([case.fluid.velocity for case in cases], float),
         shape=array(shape),
         node=array(node),
-        tangent=zeros(ti.f64, count, 2, most),
         length=zeros(ti.f64, count, most),
-        vortex=zeros(ti.f64, count, 2, most),
-        point=zeros(ti.f64, count, 2, most),
-        bound=zeros(ti.f64, count, 3, most),
+        vortex=array(vortex),
+        point=array(point),
+        bound=zeros(ti.f64, count, 4, most),
         control=zeros(ti.f64, count, 2, most),
         wash=zeros(ti.f64, count, 2, most),
         new=zeros(ti.f64, count, 2, most),
-        slip=zeros(ti.f64, count, most),
+        slip=zeros(ti.f64, count, 2, most),
+        suction=array(suction),
         sums=zeros(ti.f64, count, 2, most),
         total=zeros(ti.f64, count),
         pressure=zeros(ti.f64, count, most),
@@ -86,7 +93,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
 
 def nodes(case: Case) -> np.ndarray:
     """Chordwise positions of the ends of the panels, m."""
-    return case.wing.chord * np.arange(case.uvlm.panels + 1) / case.uvlm.panels
+    return spacing.stations(case).node
 
 
 @ti.func
@@ -95,26 +102,32 @@ def between(left, right, share):
 
 
 @ti.func
+def deflect(flow: View, state: View, b, row, table, i, modes):
+    """`sum_k phi_k q_k` of a row of a modal state, the modes taken from a table: W (Eq. 8), its rate, its slope."""
+    total = 0.0
+    for k in range(modes):
+        total += flow.shape[b, k, table, i] * state[b, row, k]
+    return total
+
+
+@ti.func
 def lay_panels(body: View, flow: View, b, n):
     """Panels, bound vortices and control points of the wing as it is expected to deform."""
+    modes = body.modes[b]
     cosine = ti.cos(body.motion[b, n, PITCH])
     sine = ti.sin(body.motion[b, n, PITCH])
     pivot = body.motion[b, n, PLUNGE]
     for i in range(flow.panels[b] + 1):
-        flow.node[b, Z, i] = superpose(flow.shape, body.q_guess, b, AMPLITUDE, i, body.modes[b])
-        flow.node[b, 2, i] = superpose(flow.shape, body.q_known, b, RATE, i, body.modes[b])
+        flow.node[b, Z, i] = deflect(flow, body.q_guess, b, AMPLITUDE, NODE, i, modes)
+        flow.node[b, 2, i] = deflect(flow, body.q_known, b, RATE, NODE, i, modes)
     for i in range(flow.panels[b]):
         dy = flow.node[b, Y, i + 1] - flow.node[b, Y, i]
         dz = flow.node[b, Z, i + 1] - flow.node[b, Z, i]
-        length = ti.sqrt(dy * dy + dz * dz)
-        flow.length[b, i] = length
-        flow.tangent[b, Y, i] = dy / length
-        flow.tangent[b, Z, i] = dz / length
-        for axis in range(2):
-            left = flow.node[b, axis, i]
-            right = flow.node[b, axis, i + 1]
-            flow.vortex[b, axis, i] = between(left, right, TO_VORTEX)
-            flow.point[b, axis, i] = between(left, right, TO_POINT)
+        flow.length[b, i] = ti.sqrt(dy * dy + dz * dz)
+        put(flow.vortex, deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX, i, modes),
+            deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX_SLOPE, i, modes), b, i)  # fmt: skip
+        put(flow.point, deflect(flow, body.q_guess, b, AMPLITUDE, POINT, i, modes),
+            deflect(flow, body.q_guess, b, AMPLITUDE, POINT_SLOPE, i, modes), b, i)  # fmt: skip
         flow.bound[b, Y, i] = cosine * flow.vortex[b, Y, i] - sine * flow.vortex[b, Z, i]
         flow.bound[b, Z, i] = pivot + sine * flow.vortex[b, Y, i] + cosine * flow.vortex[b, Z, i]
         flow.control[b, Y, i] = cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
@@ -122,20 +135,29 @@ def lay_panels(body: View, flow: View, b, n):
 
 
 @ti.func
+def put(stations: View, deflection, slope, b, i):
+    """Deflection of a vortex or a point, and the tangent of the camber line there."""
+    stretch = 1.0 / ti.sqrt(1.0 + slope * slope)
+    stations[b, Z, i] = deflection
+    stations[b, ALONG, i] = stretch
+    stations[b, ACROSS, i] = slope * stretch
+
+
+@ti.func
 def shed_vortex(body: View, flow: View, wakes: View, b, n):
     """Place this step's wake vortex behind the trailing edge and note what a unit of it does to the panels.
 
-    Fixed rule: a distance along the last panel. Local rule: a share of the trailing edge's path relative to the
+    Fixed rule: a distance along the tangent there. Local rule: a share of the trailing edge's path relative to the
     flow that carried the youngest vortex; never ahead of the edge, never closer than the least travel.
     """
     edge = flow.panels[b]
     cosine = ti.cos(body.motion[b, n, PITCH])
     sine = ti.sin(body.motion[b, n, PITCH])
-    t_y = flow.tangent[b, Y, edge - 1]
-    t_z = flow.tangent[b, Z, edge - 1]
-    along = wakes.distance[b]
+    t_y = flow.point[b, ALONG, edge - 1]
+    t_z = flow.point[b, ACROSS, edge - 1]
+    along = wakes.setting[b, DISTANCE]
     across = 0.0
-    if wakes.local[b] == 1:
+    if wakes.setting[b, ALONG_PATH] > 0.0:
         p_y, p_z = pivot_velocity(body, flow.stream, b, n)
         theta_rate = body.motion[b, n, PITCH_RATE]
         u_y = theta_rate * flow.node[b, Z, edge] - p_y
@@ -146,19 +168,20 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n):
             w_z = wakes.velocity[b, Z, youngest] - flow.stream[b, Z]
             u_y += cosine * w_y + sine * w_z
             u_z += cosine * w_z - sine * w_y
-        share = wake.LOCAL_SHARE * body.dt[b]
+        share = wakes.setting[b, ALONG_PATH] * body.dt[b]
         along = ti.max(share * (u_y * t_y + u_z * t_z), along)
         across = share * (u_z * t_y - u_y * t_z)
     y = flow.node[b, Y, edge] + along * t_y - across * t_z
     z = flow.node[b, Z, edge] + along * t_z + across * t_y
+    pivot = body.motion[b, n, PLUNGE]
+    wake.shed(wakes, b, n, cosine * y - sine * z, pivot + sine * y + cosine * z)
+    core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.panels[b]):
         dy = flow.point[b, Y, i] - y
         dz = flow.point[b, Z, i] - z
-        strength = INV_2PI / (dy * dy + dz * dz + wakes.core2[b])
+        strength = INV_2PI / (dy * dy + dz * dz + core2)
         flow.new[b, Y, i] = -dz * strength
         flow.new[b, Z, i] = dy * strength
-    pivot = body.motion[b, n, PLUNGE]
-    wake.shed(wakes, b, n, cosine * y - sine * z, pivot + sine * y + cosine * z)
 
 
 @ti.func
@@ -169,7 +192,7 @@ def wash_panels(body: View, flow: View, wakes: View, b, n):
     for block in range((flow.panels[b] + 7) // 8):
         y = octet(flow.control, b, Y, 8 * block)
         z = octet(flow.control, b, Z, 8 * block)
-        u_y, u_z = induce(y, z, wakes.vortex, b, wakes.ring[b, COUNT], wakes.core2[b])
+        u_y, u_z = induce(y, z, TINY, wakes.vortex, b, wakes.ring[b, COUNT])
         store_octet(flow.wash, b, Y, 8 * block, cosine * u_y + sine * u_z)
         store_octet(flow.wash, b, Z, 8 * block, cosine * u_z - sine * u_y)
 
@@ -185,8 +208,8 @@ def assemble(body: View, flow: View, b, n):
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     for i in range(flow.panels[b]):
-        t_y = flow.tangent[b, Y, i]
-        t_z = flow.tangent[b, Z, i]
+        t_y = flow.point[b, ALONG, i]
+        t_z = flow.point[b, ACROSS, i]
         new = flow.new[b, Z, i] * t_y - flow.new[b, Y, i] * t_z
         for block in range((flow.panels[b] + 7) // 8):
             dy = flow.point[b, Y, i] - octet(flow.vortex, b, Y, 8 * block)
@@ -194,10 +217,10 @@ def assemble(body: View, flow: View, b, n):
             flow.matrix[b, i, block] = INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz) - new
         u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.wash[b, Y, i]
         u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.wash[b, Z, i]
-        u_z += between(flow.node[b, 2, i], flow.node[b, 2, i + 1], TO_POINT)
+        u_z += deflect(flow, body.q_known, b, RATE, POINT, i, modes)
         flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.total[b]
         for k in range(modes):
-            flow.solution[b, k + 1, i] = between(flow.shape[b, k, i], flow.shape[b, k, i + 1], TO_POINT) * t_y
+            flow.solution[b, k + 1, i] = flow.shape[b, k, POINT, i] * t_y
 
 
 @ti.func
@@ -216,18 +239,90 @@ def circulation_at(body: View, flow: View, state: View, b, i):
 
 
 @ti.func
-def slip_past_panels(body: View, flow: View, b, n):
-    """Tangential velocity `(V - Rdot) . tau` at the control points (Eq. 33), at the expected modal rates."""
-    modes = body.modes[b]
-    theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+def new_circulation(body: View, flow: View, b):
+    """Circulation of the new vortex at the expected modal rates (Kelvin)."""
     new = flow.total[b]
     for i in range(flow.panels[b]):
         new -= circulation_at(body, flow, body.q_guess, b, i)
+    return new
+
+
+@ti.func
+def slip_at_points(body: View, flow: View, b, n):
+    """Tangential velocity `(V - Rdot) . tau` at the control points (Eq. 33), at the expected modal rates.
+
+    V holds the stream and the wake, as the paper's does, but not what the bound vortices of a bent wing add.
+    """
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    new = new_circulation(body, flow, b)
     for i in range(flow.panels[b]):
-        left = superpose(flow.shape, body.q_guess, b, RATE, i, modes)
-        right = superpose(flow.shape, body.q_guess, b, RATE, i + 1, modes)
         u_y = flow.wash[b, Y, i] + new * flow.new[b, Y, i] - p_y + theta_rate * flow.point[b, Z, i]
         u_z = flow.wash[b, Z, i] + new * flow.new[b, Z, i] - p_z - theta_rate * flow.point[b, Y, i]
-        u_z -= between(left, right, TO_POINT)
-        flow.slip[b, i] = u_y * flow.tangent[b, Y, i] + u_z * flow.tangent[b, Z, i]
+        u_z -= deflect(flow, body.q_guess, b, RATE, POINT, i, body.modes[b])
+        flow.slip[b, 0, i] = u_y * flow.point[b, ALONG, i] + u_z * flow.point[b, ACROSS, i]
+
+
+@ti.func
+def expect_circulation(body: View, flow: View, wakes: View, b):
+    """Give the bound vortices and the new one the circulation of the expected modal rates."""
+    for i in range(flow.panels[b]):
+        flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_guess, b, i)
+    wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = new_circulation(body, flow, b)
+
+
+@ti.func
+def induced(flow: View, wakes: View, y, z, b):
+    """Velocity at eight places (Y, Z) from the wake and from all bound vortices but one that stands there."""
+    w_y, w_z = induce(y, z, TINY, wakes.vortex, b, wakes.ring[b, COUNT])
+    b_y, b_z = induce(y, z, TINY, flow.bound, b, flow.panels[b])
+    return w_y + b_y, w_z + b_z
+
+
+@ti.func
+def slip_at_vortices(body: View, flow: View, wakes: View, b, n):
+    """Tangential velocity at the bound vortices, with that of all other vortices, at the expected modal rates.
+
+    A vortex stands for a piece of a sheet, which where it is bent moves itself along at
+    `Gamma kappa/(4 pi)`, kappa its curvature.
+    """
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    cosine = ti.cos(body.motion[b, n, PITCH])
+    sine = ti.sin(body.motion[b, n, PITCH])
+    for block in range((flow.panels[b] + 7) // 8):
+        u_y, u_z = induced(flow, wakes, octet(flow.bound, b, Y, 8 * block), octet(flow.bound, b, Z, 8 * block), b)
+        store_octet(flow.slip, b, Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.slip, b, Z, 8 * block, cosine * u_z - sine * u_y)
+    for i in range(flow.panels[b]):
+        t_y = flow.vortex[b, ALONG, i]
+        t_z = flow.vortex[b, ACROSS, i]
+        u_y = flow.slip[b, Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
+        u_z = flow.slip[b, Z, i] - p_z - theta_rate * flow.vortex[b, Y, i]
+        u_z -= deflect(flow, body.q_guess, b, RATE, VORTEX, i, body.modes[b])
+        turn = t_y * flow.point[b, ACROSS, i] - t_z * flow.point[b, ALONG, i]
+        bend = turn * t_y / (flow.point[b, Y, i] - flow.vortex[b, Y, i])
+        flow.slip[b, 0, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
+
+
+@ti.func
+def suck(body: View, flow: View, wakes: View, b, n):
+    """Suction at the leading edge, along its tangent: from the flow through the lattice there, as expected.
+
+    Lan (1974): the lattice closes the wing at its control points alone, and what it lets through at the leading edge
+    is proportional to the strength of the singularity of the flow around it.
+    """
+    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    stretch = ti.sqrt(1.0 + slope * slope)
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    cosine = ti.cos(body.motion[b, n, PITCH])
+    sine = ti.sin(body.motion[b, n, PITCH])
+    y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
+    place = body.motion[b, n, PLUNGE] + sine * y + cosine * z
+    v_y, v_z = induced(flow, wakes, Octet(cosine * y - sine * z), Octet(place), b)
+    u_y = cosine * v_y[0] + sine * v_z[0] - p_y + theta_rate * z
+    u_z = cosine * v_z[0] - sine * v_y[0] - p_z - theta_rate * y
+    u_z -= deflect(flow, body.q_guess, b, RATE, NODE, 0, body.modes[b])
+    through = (u_z - slope * u_y) / stretch
+    flow.suction[b, FORCE] = flow.suction[b, FACTOR] * stretch * through * through

@@ -2,7 +2,8 @@
 
 Eq. 30 of Reade & Jankauski (2020), with a Krasny core: a vortex of circulation G (positive
 counter-clockwise in Y-Z) at distance r moves the fluid at `G r / (2 pi (r^2 + core^2))` across the line that
-joins them. The core is the same for both vortices of a pair, so the pair's impulse is conserved.
+joins them. The squared core of a pair is the sum of both vortices' own, the same for both, so that the pair's impulse
+is conserved.
 """
 
 import math
@@ -12,16 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from .runtime import LANE, Floats3, Octet, View, start, tasks, ti
 
-Y, Z, CIRCULATION = range(3)
-"""Axes of an array of points or vortices, shape (case, axis, index)."""
+Y, Z, CIRCULATION, CORE2 = range(4)
+"""Axes of an array of points or vortices, shape (case, axis, index): m, m, m2/s, and the squared core, m2."""
 
 INV_2PI = 1.0 / (2.0 * math.pi)
 TINY = 1e-300
-
-
-def squared_core(core: float) -> float:
-    """Core radius squared, never quite zero: a vortex then moves itself by 0 * 1e300 = 0 without a branch."""
-    return max(core * core, TINY)
+"""Squared core of a bare point: a vortex moves itself by 0 * 1e300 = 0 without a branch."""
 
 
 @ti.func
@@ -37,26 +34,26 @@ def store_octet(x: View, b, axis, first, value):
 
 
 @ti.func
-def induce(y, z, vortices: View, b, count, core2):
-    """Velocity (m/s) at eight points `y`, `z` from the first `count` vortices of case `b`.
+def induce(y, z, core2, vortices: View, b, count):
+    """Velocity (m/s) at eight points `y`, `z` of squared cores `core2` from the first `count` vortices of case `b`.
 
-    `vortices` has shape (case, 3, vortex): Y, Z and circulation. Eight targets at a time fill the vector unit
-    without reordering any sum, so the result is independent of the machine's vector width, and of the points
-    beside which a point happens to stand.
+    `vortices` has shape (case, 4, vortex); `core2` is at least `TINY`, the core of a bare point. Eight targets at a
+    time fill the vector unit without reordering any sum, so the result is independent of the machine's vector width,
+    and of the points beside which a point happens to stand.
     """
     u_y = Octet(0.0)
     u_z = Octet(0.0)
     for j in range(count):
         dy = y - vortices[b, Y, j]
         dz = z - vortices[b, Z, j]
-        strength = vortices[b, CIRCULATION, j] / (dy * dy + dz * dz + core2)
+        strength = vortices[b, CIRCULATION, j] / (dy * dy + dz * dz + (core2 + vortices[b, CORE2, j]))
         u_y -= dz * strength
         u_z += dy * strength
     return u_y * INV_2PI, u_z * INV_2PI
 
 
 @ti.kernel
-def _induce_everywhere(points: Floats3, velocity: Floats3, vortices: Floats3, core2: ti.f64, lanes: ti.i32):
+def _induce_everywhere(points: Floats3, velocity: Floats3, vortices: Floats3, lanes: ti.i32):
     for i in range(lanes * LANE):
         if i % LANE == 0:
             lane = i // LANE
@@ -64,7 +61,7 @@ def _induce_everywhere(points: Floats3, velocity: Floats3, vortices: Floats3, co
                 first = 8 * (lane + m * lanes)
                 y = octet(points, 0, Y, first)
                 z = octet(points, 0, Z, first)
-                u_y, u_z = induce(y, z, vortices, 0, vortices.shape[2], core2)
+                u_y, u_z = induce(y, z, TINY, vortices, 0, vortices.shape[2])
                 store_octet(velocity, 0, Y, first, u_y)
                 store_octet(velocity, 0, Z, first, u_z)
 
@@ -85,8 +82,9 @@ def induced_velocity(points: ArrayLike, vortices: ArrayLike, core: float = 0.0) 
     targets = given.reshape(1, 2, -1)
     count = targets.shape[2]
     targets = np.pad(targets, ((0, 0), (0, 0), (0, -count % 8)))
-    sources = np.ascontiguousarray(vortices, dtype=np.float64).reshape(1, 3, -1)
+    sources = np.array(vortices, dtype=np.float64).reshape(1, 3, -1)
+    sources = np.concatenate((sources, np.full_like(sources[:, :1], core * core)), axis=1)
     velocity = np.zeros_like(targets)
     if count and sources.size:
-        _induce_everywhere(targets, velocity, sources, squared_core(core), tasks(min(targets.shape[2] // 8, 64)))
+        _induce_everywhere(targets, velocity, sources, tasks(min(targets.shape[2] // 8, 64)))
     return velocity[0, :, :count].reshape(given.shape)

@@ -11,24 +11,28 @@ import numpy as np
 
 from .body import array, zeros
 from .case import Case
-from .runtime import Floats1, Floats3, Ints1, Ints2, View, ti
-from .vortex import CIRCULATION, Y, Z, induce, octet, squared_core, store_octet
+from .runtime import Floats1, Floats2, Floats3, Ints2, View, ti
+from .spacing import SHARE
+from .vortex import CIRCULATION, CORE2, TINY, Y, Z, induce, octet, store_octet
 
-LOCAL_SHARE = 0.25
-"""Where the new vortex stands on the trailing edge's path through the fluid during the step."""
 LEAST_TRAVEL = 2e-4
 """Least distance, in chords, of a new vortex behind the trailing edge: at stroke reversal the travel vanishes."""
 
 KEEP, COUNT, OLDEST, YOUNGEST = range(4)
 """Entries of a ring: its size, how many vortices it holds, and the places of the first and last shed."""
 
+ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH = range(5)
+"""Settings of a wake: where new vortices stand on the trailing edge's path during a step (0: at a fixed distance);
+that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
+(Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start)."""
+BEFORE = 2
+"""First row of the velocities one step earlier."""
+
 Wake = ti.types.argpack(
     ring=Ints2,
-    local=Ints1,  # 1: new vortices are placed by the trailing edge's travel; 0: at a fixed distance
-    distance=Floats1,  # that distance, m, or the least travel
-    core2=Floats1,
-    vortex=Floats3,  # (case, 3, place): Y, Z, circulation
-    velocity=Floats3,  # what carried the vortices in the last step
+    setting=Floats2,  # (case, 5), see the names of its columns
+    vortex=Floats3,  # (case, 4, place), see taichiflap.vortex
+    velocity=Floats3,  # (case, 4, place): that of the vortices in the last step, and one step earlier
     birth=Ints2,  # step of shedding
     dropped=Floats1,  # circulation of the vortices given up
 )
@@ -38,19 +42,26 @@ def allocate(cases: Sequence[Case]) -> Any:
     """Empty wakes of a batch."""
     keep = [ring_size(case) for case in cases]
     count, most = len(cases), -(-max(keep) // 8) * 8
-    local = np.array([case.uvlm.shedding == "local" for case in cases])
-    behind = np.where(local, LEAST_TRAVEL, [case.uvlm.shedding_distance for case in cases])
-    chord = np.array([case.wing.chord for case in cases])
     return Wake(
         ring=array([[size, 0, 0, 0] for size in keep]),
-        local=array(local),
-        distance=array(behind * chord),
-        core2=array([squared_core(case.uvlm.core * case.wing.chord) for case in cases]),
-        vortex=zeros(ti.f64, count, 3, most),
-        velocity=zeros(ti.f64, count, 2, most),
+        setting=array([_settings(case) for case in cases]),
+        vortex=zeros(ti.f64, count, 4, most),
+        velocity=zeros(ti.f64, count, 4, most),
         birth=zeros(ti.i32, count, most),
         dropped=zeros(ti.f64, count),
     )
+
+
+def _settings(case: Case) -> list[float]:
+    chord, uvlm = case.wing.chord, case.uvlm
+    local = uvlm.shedding == "local"
+    return [
+        SHARE[uvlm.spacing] if local else 0.0,
+        chord * (LEAST_TRAVEL if local else uvlm.shedding_distance),
+        0.5 if uvlm.convection == "second_order" else 0.0,
+        uvlm.core * chord,
+        uvlm.core_growth,
+    ]
 
 
 def ring_size(case: Case) -> int:
@@ -73,23 +84,54 @@ def shed(wake: View, b, n, y, z):
     wake.vortex[b, Y, place] = y
     wake.vortex[b, Z, place] = z
     wake.vortex[b, CIRCULATION, place] = 0.0
+    wake.vortex[b, CORE2, place] = 0.0
+    grow(wake, b, place, 0.0)
     wake.birth[b, place] = n
 
 
 @ti.func
-def convect(wake: View, bound: View, panels, stream: View, b, dt):
-    """Carry every wake vortex for `dt` with the velocity of all vortices and the free stream (Eq. 32)."""
+def convect(wake: View, bound: View, panels, stream: View, b, n, dt):
+    """Carry every wake vortex from step `n - 1` to `n` with the velocity of all vortices and the free stream (Eq. 32).
+
+    A vortex just shed has no velocity of an earlier step: it takes Euler's step, once.
+    """
     count = wake.ring[b, COUNT]
     for block in range((count + 7) // 8):
-        y = octet(wake.vortex, b, Y, 8 * block)
-        z = octet(wake.vortex, b, Z, 8 * block)
-        w_y, w_z = induce(y, z, wake.vortex, b, count, wake.core2[b])
-        b_y, b_z = induce(y, z, bound, b, panels, wake.core2[b])
-        store_octet(wake.velocity, b, Y, 8 * block, w_y + b_y + stream[b, Y])
-        store_octet(wake.velocity, b, Z, 8 * block, w_z + b_z + stream[b, Z])
-    for axis in range(2):
-        for i in range(count):
-            wake.vortex[b, axis, i] = wake.vortex[b, axis, i] + dt * wake.velocity[b, axis, i]
+        first = 8 * block
+        y = octet(wake.vortex, b, Y, first)
+        z = octet(wake.vortex, b, Z, first)
+        core2 = octet(wake.vortex, b, CORE2, first)
+        w_y, w_z = induce(y, z, core2 + TINY, wake.vortex, b, count)
+        b_y, b_z = induce(y, z, core2 + TINY, bound, b, panels)
+        for axis in ti.static(range(2)):
+            store_octet(wake.velocity, b, BEFORE + axis, first, octet(wake.velocity, b, axis, first))
+        store_octet(wake.velocity, b, Y, first, w_y + b_y + stream[b, Y])
+        store_octet(wake.velocity, b, Z, first, w_z + b_z + stream[b, Z])
+    for i in range(count):
+        moved2 = 0.0
+        for axis in range(2):
+            now = wake.velocity[b, axis, i]
+            change = 0.0
+            if wake.birth[b, i] < n - 1:
+                change = wake.setting[b, BLEND] * (now - wake.velocity[b, BEFORE + axis, i])
+            step = dt * (now + change)
+            moved2 += step * step
+            wake.vortex[b, axis, i] = wake.vortex[b, axis, i] + step
+        grow(wake, b, i, ti.sqrt(moved2))
+
+
+@ti.func
+def grow(wake: View, b, i, moved):
+    """Let the core of a vortex that has moved by a distance grow, up to its full size.
+
+    A full core beside the trailing edge would blur the Kutta condition there.
+    """
+    full = wake.setting[b, CORE]
+    gain = wake.setting[b, GROWTH]
+    core = full
+    if gain > 0.0:
+        core = ti.min(full, ti.sqrt(wake.vortex[b, CORE2, i]) + gain * moved)
+    wake.vortex[b, CORE2, i] = core * core
 
 
 def in_order(frames: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -14,11 +14,11 @@ from taichiflap.case import Case
 
 
 def velocity(points, vortices, core2=0.0):
-    """Velocity (points, 2) at points (n, 2) from vortices (m, 3)."""
+    """Velocity (points, 2) at points (n, 2), of squared cores `core2`, from vortices (m, 3), or (m, 4) with theirs."""
     out = np.zeros((len(points), 2))
-    for i, (y, z) in enumerate(points):
-        for vy, vz, gamma in vortices:
-            r2 = (y - vy) ** 2 + (z - vz) ** 2 + core2
+    for i, ((y, z), own) in enumerate(zip(points, np.broadcast_to(core2, len(points)), strict=True)):
+        for vy, vz, gamma, *core in vortices:
+            r2 = (y - vy) ** 2 + (z - vz) ** 2 + own + sum(core)
             if r2 > 0.0:
                 out[i] += gamma / (2 * np.pi * r2) * np.array([vz - z, y - vy])
     return out
@@ -143,15 +143,43 @@ class UvlmOracle(Oracle):
 
     def setup(self):
         c, u = self.case.wing, self.case.uvlm
-        self.nodes = c.chord * np.arange(u.panels + 1) / u.panels
+        self.cosine, self.whole = u.spacing == "cosine", u.loads == "panels"
+        fraction = np.arange(u.panels + 1) / u.panels
+        if self.cosine:
+            fraction = (1 - np.cos(np.pi * fraction)) / 2
+        self.nodes = c.chord * fraction
         self.phi = self.modes.shape(self.nodes)
-        self.core2 = (u.core * c.chord) ** 2
-        self.wake = np.zeros((0, 3))
+        if self.cosine:
+            middle = (np.arange(u.panels) + 0.5) / u.panels
+            self.places = c.chord * (1 - np.cos(np.pi * middle)) / 2, self.nodes[1:]
+        else:
+            self.places = tuple((1 - s) * self.nodes[:-1] + s * self.nodes[1:] for s in (0.25, 0.75))
+        self.phi_vortex, self.phi_point = (self.sample(self.modes.shape, y) for y in self.places)
+        self.slope_vortex, self.slope_point = (self.sample_slope(y) for y in self.places)
+        self.wake = np.zeros((0, 4))
         self.wake_velocity = np.zeros((0, 2))
+        self.before = np.zeros((0, 2))
         self.dropped = 0.0
         self.sums = [np.zeros(u.panels), np.zeros(u.panels)]
         self.total = 0.0
         self.stream = np.array(self.case.fluid.velocity)
+
+    def sample(self, shape, y):
+        """Modes at `y`: on the camber line, or on the straight panels between its points."""
+        if self.cosine:
+            return shape(y)
+        return np.array([np.interp(y, self.nodes, phi) for phi in self.phi]).reshape(-1, len(y))
+
+    def sample_slope(self, y):
+        if self.cosine:
+            return self.modes.slope(y)
+        return np.diff(self.phi, axis=1) / np.diff(self.nodes)
+
+    def tangents(self, slope):
+        th = self.kinematics[3]
+        angle = th + np.arctan(slope)
+        tangent = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        return tangent, np.stack((-tangent[:, 1], tangent[:, 0]), axis=1)
 
     def point(self, y, w):
         zp, th = self.kinematics[0], self.kinematics[3]
@@ -167,77 +195,153 @@ class UvlmOracle(Oracle):
         u, chord = self.case.uvlm, self.case.wing.chord
         self.rule = rule
         if n:
-            everything = np.vstack((self.wake, self.bound))
-            self.wake_velocity = velocity(self.wake[:, :2], everything, self.core2) + self.stream
+            everything = np.vstack((self.wake, np.column_stack((self.bound, 0 * self.bound[:, 0]))))
+            now = velocity(self.wake[:, :2], everything, self.wake[:, 3]) + self.stream
+            step = self.dt * now
+            if u.convection == "second_order" and n > 1:
+                step[:-1] += self.dt / 2 * (now[:-1] - self.wake_velocity[-len(now) :][: len(now) - 1])
+            self.wake_velocity = now
             self.wake = self.wake.copy()
-            self.wake[:, :2] += self.dt * self.wake_velocity
+            self.wake[:, :2] += step
+            if u.core_growth:
+                grown = np.sqrt(self.wake[:, 3]) + u.core_growth * np.hypot(*step.T)
+                self.wake[:, 3] = np.minimum(grown, u.core * chord) ** 2
         self.w = q_star @ self.phi
-        self.w_rate_star = v_star @ self.phi
+        self.q_star, self.v_star = q_star, v_star
         nodes = self.point(self.nodes, self.w)
-        side = np.diff(nodes, axis=0)
-        self.length = np.hypot(*side.T)
-        self.tangent = side / self.length[:, None]
-        self.normal = np.stack((-self.tangent[:, 1], self.tangent[:, 0]), axis=1)
-        self.vortices = nodes[:-1] + 0.25 * side
-        self.controls = nodes[:-1] + 0.75 * side
+        self.side = np.diff(nodes, axis=0)
+        self.length = np.hypot(*self.side.T)
+        self.edges = nodes
+        self.vortices = self.point(self.places[0], q_star @ self.phi_vortex)
+        self.controls = self.point(self.places[1], q_star @ self.phi_point)
+        self.tangent, self.normal = self.tangents(q_star @ self.slope_point)
         edge_rate = v_known @ self.phi[:, -1]
         edge_velocity = self.point_velocity(self.nodes[-1], self.w[-1], edge_rate)
         if u.shedding == "fixed":
             new = nodes[-1] + u.shedding_distance * chord * self.tangent[-1]
         else:
             flow = self.wake_velocity[-1] if n else self.stream
-            step = 0.25 * self.dt * (flow - edge_velocity)
+            step = (0.30 if self.cosine else 0.25) * self.dt * (flow - edge_velocity)
             along = max(step @ self.tangent[-1], 2e-4 * chord)
             new = nodes[-1] + along * self.tangent[-1] + (step @ self.normal[-1]) * self.normal[-1]
         keep = np.inf if u.wake == "all" else u.wake
         if len(self.wake) >= keep:
             self.dropped += self.wake[0, 2]
             self.wake, self.wake_velocity = self.wake[1:], self.wake_velocity[1:]
-        self.new = new
-        self.wash = velocity(self.controls, self.wake, self.core2) + self.stream
+        self.new = (*new, 0.0 if u.core_growth else (u.core * chord) ** 2)
+        self.wash = velocity(self.controls, self.wake) + self.stream
         sources = [(*p, 1.0) for p in self.vortices]
         panels = len(self.controls)
         self.matrix = np.ones((panels + 1, panels + 1))
         for j, source in enumerate(sources):
             self.matrix[:-1, j] = np.sum(velocity(self.controls, [source]) * self.normal, axis=1)
-        self.of_new = velocity(self.controls, [(*new, 1.0)], self.core2)
+        self.of_new = velocity(self.controls, [self.vortex_of(1.0)])
         self.matrix[:-1, -1] = np.sum(self.of_new * self.normal, axis=1)
-        self.slip = None
         gamma = self.circulation(v_star)
-        slip = self.wash + gamma[-1] * self.of_new - self.control_velocity(v_star)
-        self.slip = np.sum(slip * self.tangent, axis=1)
+        self.find_slip(gamma)
+        self.find_suction(gamma)
+
+    def vortex_of(self, circulation):
+        y, z, core2 = self.new
+        return (y, z, circulation, core2)
+
+    def find_slip(self, gamma):
+        """Tangential velocity of the fluid past the wing: at the points, or at the vortices with all the others."""
+        if self.whole:
+            slip = self.wash + gamma[-1] * self.of_new - self.control_velocity(self.v_star)
+            self.slip = np.sum(slip * self.tangent, axis=1)
+            return
+        w, rate = self.q_star @ self.phi_vortex, self.v_star @ self.phi_vortex
+        bound = np.column_stack((self.vortices, gamma[:-1], 0 * gamma[:-1]))
+        flow = velocity(self.vortices, np.vstack((self.wake, self.vortex_of(gamma[-1]), bound))) + self.stream
+        tangent, _ = self.tangents(self.q_star @ self.slope_vortex)
+        flow = flow - self.point_velocity(self.places[0], w, rate)
+        slopes = [np.arctan(self.q_star @ slope) for slope in (self.slope_vortex, self.slope_point)]
+        arc = (self.places[1] - self.places[0]) / np.cos(slopes[0])
+        curvature = np.sin(slopes[1] - slopes[0]) / arc
+        self.slip = np.sum(flow * tangent, axis=1) + gamma[:-1] * curvature / (4 * np.pi)
+
+    def find_suction(self, gamma):
+        """Force at the leading edge, shape (2,), from the flow through the lattice there."""
+        self.suction = np.zeros(2)
+        u, chord = self.case.uvlm, self.case.wing.chord
+        if not u.suction:
+            return
+        slope = self.modes.slope(self.nodes[:1]) if self.cosine else self.slope_vortex[:, :1]
+        tangent, normal = self.tangents(self.q_star @ slope)
+        bound = np.column_stack((self.vortices, gamma[:-1], 0 * gamma[:-1]))
+        flow = velocity(self.edges[:1], np.vstack((self.wake, self.vortex_of(gamma[-1]), bound)))[0] + self.stream
+        rate = self.v_star @ self.phi[:, 0]
+        through = (flow - self.point_velocity(self.nodes[0], self.w[0], rate)) @ normal[0]
+        n = np.arange(u.panels)
+        plate = 2.0 * u.panels if self.cosine else np.prod((n + 0.75) / (n + 0.25))
+        stretch = np.hypot(1.0, self.q_star @ slope)[0]
+        strength = np.pi * self.case.fluid.density * chord * self.case.wing.span * (through / plate) ** 2 * stretch
+        self.suction = -strength * tangent[0]
 
     def control_velocity(self, v):
-        nodes = self.point_velocity(self.nodes, self.w, v @ self.phi)
-        return 0.25 * nodes[:-1] + 0.75 * nodes[1:]
+        return self.point_velocity(self.places[1], self.q_star @ self.phi_point, v @ self.phi_point)
 
     def circulation(self, v):
         """Bound circulations and, last, the new vortex's."""
         rhs = np.sum((self.control_velocity(v) - self.wash) * self.normal, axis=1)
         return np.linalg.solve(self.matrix, np.append(rhs, self.total))
 
-    def panel_force(self, v):
+    def pieces(self, v):
+        """Forces on the wing, their places and the modes there: (n, 2), (n, 2), (modes, n).
+
+        Steady forces at the vortices or panels, pressures of d(Phi)/dt on pieces of the wing between nodes and steps
+        of the potential, spread over Gauss points of each piece.
+        """
+        density = self.case.fluid.density * self.case.wing.span
         gamma = self.circulation(v)[:-1]
         running = np.cumsum(gamma)
         change = self.rule[0] * running + self.rule[1] * self.sums[0] + self.rule[2] * self.sums[1]
-        pressure = -self.case.fluid.density * (self.slip * gamma / self.length + change)
-        return (pressure * self.length * self.case.wing.span)[:, None] * self.normal
+        turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+        if self.whole:
+            force = -density * ((self.slip * gamma / self.length + change)[:, None] * self.side @ turn)
+            places = 0.5 * (self.edges[1:] + self.edges[:-1])
+            return force, places, 0.5 * (self.phi[:, 1:] + self.phi[:, :-1])
+        _, normal = self.tangents(self.q_star @ self.slope_vortex)
+        forces, places, modes = [-density * (self.slip * gamma)[:, None] * normal], [self.vortices], [self.phi_vortex]
+        gauss, weights = np.polynomial.legendre.leggauss(8)
+        ahead = np.append(0.0, change[:-1])
+        for left, right, jump in (
+            (self.nodes[:-1], self.places[0], ahead),
+            (self.places[0], self.nodes[1:], change),
+        ):
+            for x, weight in zip(gauss, weights, strict=True):
+                y = 0.5 * (left + right) + 0.5 * x * (right - left)
+                phi = self.sample(self.modes.shape, y)
+                slope = self.modes.slope(y) if self.cosine else self.slope_vortex
+                th = self.kinematics[3]
+                w_slope = self.q_star @ slope
+                per_length = np.stack((-w_slope, np.ones_like(y)), axis=1)
+                along = np.array([[np.cos(th), np.sin(th)], [-np.sin(th), np.cos(th)]])
+                forces.append(-density * (jump * weight * 0.5 * (right - left))[:, None] * (per_length @ along))
+                places.append(self.point(y, self.q_star @ phi))
+                modes.append(phi)
+        return np.vstack(forces), np.vstack(places), np.hstack(modes)
 
     def load(self, v, a):
         th = self.kinematics[3]
-        along_normal = self.panel_force(v) @ np.array([-np.sin(th), np.cos(th)])
-        return 0.5 * (self.phi[:, :-1] + self.phi[:, 1:]) @ along_normal
+        force, _, phi = self.pieces(v)
+        up = np.array([-np.sin(th), np.cos(th)])
+        return phi @ (force @ up) + self.phi[:, 0] * (self.suction @ up)
 
     def end(self, n):
-        th = self.kinematics[3]
-        force = self.panel_force(self.v)
+        zp, th = self.kinematics[0], self.kinematics[3]
+        force, places, _ = self.pieces(self.v)
+        force, places = np.vstack((force, self.suction)), np.vstack((places, self.edges[0]))
         gamma = self.circulation(self.v)
         self.bound = np.column_stack((self.vortices, gamma[:-1]))
-        self.wake = np.vstack((self.wake, (*self.new, gamma[-1])))
+        self.wake = np.vstack((self.wake, self.vortex_of(gamma[-1])))
         self.sums = [np.cumsum(gamma[:-1]), self.sums[0]]
         self.total = gamma[:-1].sum()
         normal = force @ np.array([-np.sin(th), np.cos(th)])
         axial = force @ np.array([np.cos(th), np.sin(th)])
-        y, w = (0.5 * (x[1:] + x[:-1]) for x in (self.nodes, self.w))
-        totals = np.array([normal.sum(), axial.sum(), y @ normal - w @ axial])
-        self.history.append({"q": self.q, "a": self.a, "force": totals, "gamma": gamma[:-1], "wake": self.wake.copy()})
+        arm = places - [0.0, zp]
+        moment = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+        totals = np.array([normal.sum(), axial.sum(), moment.sum()])
+        wake = self.wake[:, :3].copy()
+        self.history.append({"q": self.q, "a": self.a, "force": totals, "gamma": gamma[:-1], "wake": wake})

@@ -10,10 +10,11 @@ import numpy as np
 
 from .. import lattice, wake
 from ..beam import Modes
-from ..body import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
+from ..body import AMPLITUDE, AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
 from ..case import Case
-from ..lattice import between, circulation_at
+from ..lattice import ACROSS, ALONG, EDGE_SLOPE, FACTOR, FORCE, between, circulation_at, deflect
 from ..runtime import Floats2, Ints2, Ints3, Singles3, Singles4, View, ti
+from ..spacing import ACT, AHEAD, BEHIND, NODE
 from ..vortex import CIRCULATION, Y, Z
 from ..wake import COUNT, KEEP, OLDEST, YOUNGEST
 
@@ -72,36 +73,70 @@ def frame_bytes(case: Case) -> float:
 def load_modes(body: View, flow: View, b, rule):
     """Modal force and its response to the modal acceleration.
 
-    Unsteady Bernoulli (Eq. 33) on every panel, with the second-order d(Gamma)/dt; the force of a panel
-    `dP * span * length` (Eq. 34 prints c for the span) acts along its normal at its middle.
+    Unsteady Bernoulli (Eq. 33) with the second-order d(Gamma)/dt: `-rho (slip Gamma + dPhi/dt dy)` along e_z, where the
+    jump of potential Phi is the running sum of Gamma. It steps at the vortices (`loads = "vortices"`), which carry the
+    steady part; with "panels" it counts a panel's own Gamma all over it, and the steady part acts at its middle.
     """
     modes = body.modes[b]
+    scale = -flow.density[b] * flow.span[b]
     for column in range(modes + 1):
         running = 0.0
+        change_ahead = 0.0
         for i in range(flow.panels[b]):
             circulation = flow.solution[b, column, i]
             running += circulation
             change = rule[C0] * running
             if column == 0:
                 change += rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
-            lift = flow.slip[b, i] * circulation + change * flow.length[b, i]
-            force = -flow.density[b] * flow.span[b] * lift * flow.tangent[b, Y, i]
+            along, _ = acting_tangent(flow, b, i)
+            steady = flow.slip[b, 0, i] * circulation * along
             for j in range(modes):
-                share = between(flow.shape[b, j, i], flow.shape[b, j, i + 1], 0.5) * force
+                share = steady * flow.shape[b, j, ACT, i]
+                share += change_ahead * flow.shape[b, j, AHEAD, i] + change * flow.shape[b, j, BEHIND, i]
                 if column == 0:
-                    body.load[b, j] = body.load[b, j] + share
+                    body.load[b, j] = body.load[b, j] + scale * share
                 else:
-                    body.response[b, j, column - 1] = body.response[b, j, column - 1] + rule[BETA] * share
+                    body.response[b, j, column - 1] = body.response[b, j, column - 1] + rule[BETA] * scale * share
+            change_ahead = change
+    if flow.suction[b, FACTOR] > 0.0:
+        _, normal = suction_force(body, flow, b)
+        for j in range(modes):
+            body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
+
+
+@ti.func
+def acting_tangent(flow: View, b, i):
+    """Tangent where a panel's steady force acts."""
+    along = flow.vortex[b, ALONG, i]
+    across = flow.vortex[b, ACROSS, i]
+    if flow.whole[b] == 1:
+        along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.length[b, i]
+        across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.length[b, i]
+    return along, across
+
+
+@ti.func
+def suction_force(body: View, flow: View, b):
+    """The suction along e_y and e_z: it pulls the leading edge forward along its tangent."""
+    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    forward = flow.suction[b, FORCE] / ti.sqrt(1.0 + slope * slope)
+    return -forward, -forward * slope
 
 
 @ti.func
 def circulate(body: View, flow: View, wakes: View, b, rule):
-    """Circulation, new vortex and forces with the modal rates that the step has come to."""
+    """Circulation, new vortex and forces with the modal rates that the step has come to.
+
+    The force of a pressure dP on a piece of the camber line is `dP * span * (-dz, dy)` and its moment about the pivot
+    `dP * span * d(r^2)/2`, whatever the shape of the piece (Eq. 34 prints c for the span).
+    """
     total_normal = 0.0
     total_axial = 0.0
     total_moment = 0.0
     total_unsteady = 0.0
     running = 0.0
+    change_ahead = 0.0
+    scale = -flow.density[b] * flow.span[b]
     for i in range(flow.panels[b]):
         circulation = circulation_at(body, flow, body.q, b, i)
         running += circulation
@@ -109,19 +144,31 @@ def circulate(body: View, flow: View, wakes: View, b, rule):
         flow.sums[b, 1, i] = flow.sums[b, 0, i]
         flow.sums[b, 0, i] = running
         flow.bound[b, CIRCULATION, i] = circulation
-        length = flow.length[b, i]
-        pressure = -flow.density[b] * (flow.slip[b, i] * circulation / length + change)
-        flow.pressure[b, i] = pressure
-        area = flow.span[b] * length
-        normal = pressure * area * flow.tangent[b, Y, i]
-        axial = -pressure * area * flow.tangent[b, Z, i]
+        y_0, z_0, y_1, z_1 = flow.node[b, Y, i], flow.node[b, Z, i], flow.node[b, Y, i + 1], flow.node[b, Z, i + 1]
+        y_step, z_step = flow.vortex[b, Y, i], flow.vortex[b, Z, i]
+        y_act, z_act = y_step, z_step
+        if flow.whole[b] == 1:
+            y_step, z_step = y_0, z_0
+            y_act, z_act = between(y_0, y_1, 0.5), between(z_0, z_1, 0.5)
+        steady = scale * flow.slip[b, 0, i] * circulation
+        along, across = acting_tangent(flow, b, i)
+        unsteady = scale * (change_ahead * (y_step - y_0) + change * (y_1 - y_step))
+        normal = steady * along + unsteady
         total_normal += normal
-        total_axial += axial
-        total_moment += between(flow.node[b, Y, i], flow.node[b, Y, i + 1], 0.5) * normal
-        total_moment -= between(flow.node[b, Z, i], flow.node[b, Z, i + 1], 0.5) * axial
-        total_unsteady -= flow.density[b] * change * area * flow.tangent[b, Y, i]
+        total_unsteady += unsteady
+        total_axial -= steady * across + scale * (change_ahead * (z_step - z_0) + change * (z_1 - z_step))
+        total_moment += steady * (y_act * along + z_act * across)
+        inner, middle, outer = y_0 * y_0 + z_0 * z_0, y_step * y_step + z_step * z_step, y_1 * y_1 + z_1 * z_1
+        total_moment += 0.5 * scale * (change_ahead * (middle - inner) + change * (outer - middle))
+        flow.pressure[b, i] = normal / (flow.span[b] * (y_1 - y_0))
+        change_ahead = change
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.total[b] - running
     flow.total[b] = running
+    if flow.suction[b, FACTOR] > 0.0:
+        axial, normal = suction_force(body, flow, b)
+        total_normal += normal
+        total_axial += axial
+        total_moment += flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
     body.force[b, NORMAL] = total_normal
     body.force[b, AXIAL] = total_axial
     body.force[b, MOMENT] = total_moment
@@ -133,13 +180,20 @@ def prepare(batch: View, b, n, rule):
     """Geometry and circulation of the coming step `n`, linear in the modal acceleration; its modal force."""
     panels = batch.flow.panels[b]
     if n > 0:
-        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, batch.body.dt[b])
+        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, batch.body.dt[b])
     lattice.lay_panels(batch.body, batch.flow, b, n)
     lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n)
     lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
     lattice.assemble(batch.body, batch.flow, b, n)
     lattice.solve(batch.body, batch.flow, b)
-    lattice.slip_past_panels(batch.body, batch.flow, b, n)
+    if batch.flow.whole[b] == 0 or batch.flow.suction[b, FACTOR] > 0.0:
+        lattice.expect_circulation(batch.body, batch.flow, batch.wake, b)
+    if batch.flow.whole[b] == 1:
+        lattice.slip_at_points(batch.body, batch.flow, b, n)
+    else:
+        lattice.slip_at_vortices(batch.body, batch.flow, batch.wake, b, n)
+    if batch.flow.suction[b, FACTOR] > 0.0:
+        lattice.suck(batch.body, batch.flow, batch.wake, b, n)
     load_modes(batch.body, batch.flow, b, rule)
 
 

@@ -20,15 +20,30 @@ WakeLength = Annotated[
 class Uvlm(Section):
     """Unsteady vortex lattice on the deformed camber line, with a free wake."""
 
-    panels: int = key(50, text="panels along the chord", ge=1, le=1000)
-    spacing: Literal["uniform"] = key("uniform", text="spacing of the panels")
+    panels: int = key(20, text="panels along the chord", ge=1, le=1000)
+    spacing: Literal["cosine", "uniform"] = key(
+        "cosine", text="panels: finer towards both edges, on the camber line itself; or equal and straight"
+    )
+    loads: Literal["vortices", "panels"] = key(
+        "vortices", text="pressure steps at the bound vortices, or counts whole panels as the paper's Eqs 33-34 do"
+    )
+    suction: bool = key(False, text="include the suction at the leading edge: an edge that does not separate")
     wake: WakeLength = key("all", text='wake vortices kept, or "all"')
     old_wake: Literal["drop"] = key("drop", text="what happens to the oldest vortex of a full wake")
     shedding: Literal["local", "fixed"] = key(
         "local",
-        text="new vortex at 0.25 of the trailing edge's travel relative to the flow, or at a fixed distance",
+        text="new vortex on the trailing edge's path relative to the flow (0.30 of a step, 0.25 with uniform panels), "
+        "or at a fixed distance",
     )
     shedding_distance: float = key(
         0.05, unit="chords", text='distance behind the trailing edge, for shedding = "fixed"', gt=0, le=10
     )
-    core: float = key(0.0, unit="chords", text="Krasny core of every wake interaction", ge=0, le=1)
+    convection: Literal["second_order", "euler"] = key(
+        "second_order", text="how the wake moves: Adams-Bashforth of second order, or Euler's steps"
+    )
+    core: float = key(
+        0.02, unit="chords", text="Krasny core of a wake vortex; the squares of a pair's cores add up", ge=0, le=1
+    )
+    core_growth: float = key(
+        0.1, text="growth of a new vortex's core over the way it moves, until it is full; 0: full at once", ge=0, le=100
+    )

@@ -104,17 +104,18 @@ class History:
     amplitude: Array
 
 
-def plate(*settings: str, panels: int = 50) -> Case:
+def plate(*settings: str, panels: int = 50, spacing: str = "uniform") -> Case:
     """A rigid plate of unit chord and span in a unit stream of unit density, at rest at no incidence.
 
     A force is then half its coefficient.
     """
+    loads = "panels" if spacing == "uniform" else "vortices"
     document = {
         "solver": "uvlm",
         "wing": {"chord": 1.0, "span": 1.0, "thickness": 1e-3, "density": 1e3, "youngs_modulus": 1e9, "modes": 0},
         "motion": {"frequency": 1.0},
         "fluid": {"density": 1.0, "velocity": [1.0, 0.0]},
-        "uvlm": {"panels": panels, "wake": "all", "shedding": "local"},
+        "uvlm": {"panels": panels, "spacing": spacing, "wake": "all", "shedding": "local", "core": 0.0, "loads": loads},
     }
     return parse_case(document, "validation").override(*settings)
 

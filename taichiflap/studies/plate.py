@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .. import fluids, theory
+from .. import fluids, spacing, theory
 from ..body import MOMENT, NORMAL
 from ..march import March
 from ..motion import PITCH_RATE, PLUNGE_RATE
@@ -106,13 +106,18 @@ def camber(panels: Sequence[int] = (10, 25, 50, 100), height: float = 0.01, alph
     )
 
 
-def bent_lift(panels: int, height: float, alpha: float) -> float:
+def bent_lift(panels: int, height: float, alpha: float, spacing_of: str = "uniform") -> float:
     """Steady lift coefficient of a plate bent to a parabola of `height` chords at `alpha` (rad)."""
-    case = plate(*SETTLED, "wing.modes=1", f"motion.pitch.mean_deg={-math.degrees(alpha)}", panels=panels)
+    case = plate(
+        *SETTLED, "wing.modes=1", f"motion.pitch.mean_deg={-math.degrees(alpha)}", panels=panels, spacing=spacing_of
+    )
     march = March([case], fluids.load("uvlm"))
-    flow = march.groups["flow"]
-    y = view(flow.node)[0, 0, : panels + 1]
-    view(flow.shape)[0, 0, : panels + 1] = 4.0 * height * y * (1.0 - y) * LEAST_SHARE
+    bent = spacing.tables(
+        case,
+        lambda y: (4.0 * height * y * (1.0 - y) * LEAST_SHARE)[None, :],
+        lambda y: (4.0 * height * (1.0 - 2.0 * y) * LEAST_SHARE)[None, :],
+    )
+    view(march.groups["flow"].shape)[0, :, :, : panels + 1] = bent
     view(march.body.constant)[...] = 0.0
     view(march.body.q)[0, 0, 0] = 1.0 / LEAST_SHARE
     return 2.0 * float(march.advance(march.steps + 1)[0]["force"][-1, NORMAL])
