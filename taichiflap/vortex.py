@@ -66,13 +66,16 @@ def _induce_everywhere(points: Floats3, velocity: Floats3, vortices: Floats3, la
                 store_octet(velocity, 0, Z, first, u_z)
 
 
-def induced_velocity(points: ArrayLike, vortices: ArrayLike, core: float = 0.0) -> NDArray[np.float64]:
+def induced_velocity(
+    points: ArrayLike, vortices: ArrayLike, core: float = 0.0, threads: int | None = None
+) -> NDArray[np.float64]:
     """Velocity that a set of vortices induces at a set of points, by the sum that the solver uses.
 
     Args:
         points: Y and Z of the points, m, shape (2, ...).
         vortices: Y, Z (m) and circulation (m2/s) of the vortices, shape (3, ...).
         core: Krasny core radius, m. With 0, a point that coincides with a vortex is not moved by it.
+        threads: how many threads to use; all of them if None. It does not change the result.
 
     Returns:
         Velocity along Y and Z, m/s, in the shape of `points`.
@@ -86,5 +89,5 @@ def induced_velocity(points: ArrayLike, vortices: ArrayLike, core: float = 0.0) 
     sources = np.concatenate((sources, np.full_like(sources[:, :1], core * core)), axis=1)
     velocity = np.zeros_like(targets)
     if count and sources.size:
-        _induce_everywhere(targets, velocity, sources, tasks(min(targets.shape[2] // 8, 64)))
+        _induce_everywhere(targets, velocity, sources, tasks(min(targets.shape[2] // 8, 64), threads))
     return velocity[0, :, :count].reshape(given.shape)
