@@ -85,9 +85,11 @@ class Film:
 
     def __init__(self, result: Result, beats: int, most: int, rate: int, scale: float = 1.0) -> None:
         stored = scene.last_beats(result, beats)[:-1]
-        beats = max(1, round(float(len(stored)) * result.case.output.every / result.case.time.steps_per_period))
+        beats = max(1, round(float(len(stored)) * result.case.output.every / result.case.steps_per_beat))
         stride = math.ceil(len(stored) / beats / most)
         self.frames = [scene.frame(result, int(index)) for index in stored[::stride]]
+        self._case = result.case
+        self._sway = scene.sway(result, stored)
         self.chord = result.case.wing.chord
         self.shared = scene.bounds(self.frames, self.chord)
         self.dotted = any(len(frame.wake) for frame in self.frames)
@@ -125,11 +127,16 @@ class Film:
                 load.set_xy(np.concatenate((frame.middles, tips[::-1])))
             tip = frame.foot + frame.force * arrow / self.shared.force
             force.xyann, force.xy = (frame.foot[0], frame.foot[1]), (tip[0], tip[1])
-            beat = math.floor(frame.beats + 1e-9)
-            clock.set_text(f"beat {beat + 1},  t/T = {abs(frame.beats - beat):.2f}")
+            clock.set_text(self._clock(frame.beats))
             for artist in self._moving:
                 self._figure.draw_artist(artist)
             yield np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
+
+    def _clock(self, beats: float) -> str:
+        if not self._case.periodic:
+            return scene.when(self._case, beats)
+        beat = math.floor(beats + 1e-9)
+        return f"beat {beat + 1},  t/T = {abs(beats - beat):.2f}"
 
     def _movers(self, height: float, size: float) -> tuple[PathCollection, Polygon, Line2D, Line2D, Text, Annotation]:
         """What is drawn anew for each frame; `size` is the chord on the page, points."""
@@ -169,8 +176,7 @@ class Film:
         figure.text(
             0.5, 1.0 - 26.0 / height, title, ha="center", va="center", fontsize=11, color=THEME.muted, parse_math=False
         )
-        sway = result.case.motion.plunge.amplitude
-        axes.plot([-sway, sway], [0.0, 0.0], color=THEME.muted, linewidth=0.8, linestyle=(0, (5, 4)))
+        axes.plot(self._sway, [0.0, 0.0], color=THEME.muted, linewidth=0.8, linestyle=(0, (5, 4)))
         left, _, bottom, top = self.shared.page
         start, base = left + 0.25 * chord, bottom + 0.2 * chord
         axes.plot([start, start + chord], [base, base], color=THEME.ink, linewidth=2.0, solid_capstyle="butt")

@@ -1,26 +1,34 @@
 """A case file: its sections together, reading and changing it, and the messages when it does not fit."""
 
 import difflib
+import math
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
+import numpy as np
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
 from .errors import UserError
-from .keys import Section, section
+from .keys import Section, needed, section
+from .points import PointsError, with_points
 from .problems import describe
 from .sections.dbet import Dbet
 from .sections.fluid import Fluid
-from .sections.motion import Motion
+from .sections.motion import Motion, TablePitch, TablePlunge
 from .sections.output import Output
 from .sections.time import Time
 from .sections.uvlm import Uvlm
 from .sections.wing import Wing
 
 MAX_STEPS = 5_000_000
+LEAST_STEPS = 4
+"""Steps a period, or a run, that an automatic step is never longer than."""
+MOMENTS = 1024
+"""Times at which the speed is looked at for it."""
 
 
 class CaseError(UserError):
@@ -49,22 +57,84 @@ class Case(Section):
     output: Output = section(Output)
 
     @model_validator(mode="after")
-    def _bounded(self) -> "Case":
+    def _in_time(self) -> "Case":
+        if self.motion.frequency is None and self.time.periods is not None:
+            raise needed("motion.frequency", "without one, give time.duration and time.step in the place of periods")
         if self.steps > MAX_STEPS:
-            raise ValueError(
-                f"time.periods * time.steps_per_period = {self.steps}: at most {MAX_STEPS} steps in one case"
-            )
+            product = "duration / time.step" if self.time.periods is None else "periods * time.steps_per_period"
+            raise ValueError(f"time.{product} = {self.steps}: at most {MAX_STEPS} steps in one case")
+        for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch)):
+            if isinstance(axis, TablePlunge | TablePitch) and not axis.periodic:
+                first, last = (axis.in_si()["points"][end][0] for end in (0, -1))
+                if first > 0.0 or last < self.duration * (1.0 - 1e-9):
+                    raise ValueError(
+                        f"motion.{name}: its points go from {first:g} to {last:g} s, the case from 0 to "
+                        f"{self.duration:g} s; give more points, or make it periodic"
+                    )
         return self
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the motion has a frequency, so that there are beats to speak of."""
+        return self.motion.frequency is not None
+
+    @property
+    def beat(self) -> float:
+        """What a result is told in, s: the period, or the whole run where nothing repeats."""
+        return self.duration if self.motion.frequency is None else 1.0 / self.motion.frequency
+
+    @property
+    def duration(self) -> float:
+        """Time from the first step to the last, s."""
+        return self.steps * self.step
 
     @property
     def steps(self) -> int:
         """Number of time steps."""
-        return self.time.periods * self.time.steps_per_period
+        return self._march[0]
 
     @property
     def step(self) -> float:
         """Time step, s."""
-        return 1.0 / (self.motion.frequency * self.time.steps_per_period)
+        return self._march[1]
+
+    @property
+    def steps_per_beat(self) -> float:
+        """Number of time steps in a `beat`."""
+        return self.steps / self.time.periods if self.time.periods else self.beat / self.step
+
+    @cached_property
+    def _march(self) -> tuple[int, float]:
+        """Number of time steps and step, s."""
+        time, frequency = self.time, self.motion.frequency
+        if time.periods is not None and frequency is not None:
+            asked = time.steps_per_period
+            if not isinstance(asked, int):
+                asked = max(math.ceil(1.0 / (frequency * self._matched_step())), LEAST_STEPS)
+            return time.periods * asked, 1.0 / (frequency * asked)
+        duration = cast(float, time.duration)
+        if time.step == "auto":
+            steps = max(math.ceil(duration / self._matched_step()), LEAST_STEPS)
+            return steps, duration / steps
+        step = cast(float, time.step)
+        return max(1, math.floor(duration / step * (1.0 + 1e-12))), step
+
+    def _matched_step(self) -> float:
+        """The time (s) in which the trailing edge travels the mean length of a panel through the fluid."""
+        from . import motion  # noqa: PLC0415 - only an automatic step needs it
+
+        over = 1.0 / self.motion.frequency if self.motion.frequency else cast(float, self.time.duration)
+        times = self.motion.growth * self.periodic + over * np.arange(MOMENTS) / MOMENTS
+        speed = motion.typical_speed(self.motion, self.wing.chord, self.fluid.velocity, times)
+        if not speed:
+            raise ValueError('time: nothing moves, so "auto" finds no step; give a number')
+        return self.wing.chord / self.uvlm.panels / speed
+
+    def resolved(self) -> "Case":
+        """The case with a number in the place of an automatic step."""
+        name = {"steps_per_period": round(self.steps_per_beat), "step": self.step}
+        automatic = {key: value for key, value in name.items() if getattr(self.time, key) == "auto"}
+        return self.model_copy(update={"time": self.time.model_copy(update=automatic)}) if automatic else self
 
     def override(self, *settings: str, **named: Any) -> "Case":
         """A copy with some keys changed, checked like a file: `case.override("wing.modes=0", title="rigid")`.
@@ -77,7 +147,7 @@ class Case(Section):
 
     def to_dict(self) -> dict[str, Any]:
         """The case as plain dictionaries, lists and numbers."""
-        return self.model_dump(mode="json")
+        return self.model_dump(mode="json", exclude_none=True)
 
     def to_toml(self) -> str:
         """The case as a file that `load_case` reads back to an equal case."""
@@ -107,17 +177,24 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Case:
         raise CaseError(str(path), [f"not valid TOML: {error}"]) from None
     except RecursionError:
         raise CaseError(str(path), ["not a case file: tables nested too deeply"]) from None
-    return parse_case(apply_settings(document, settings, str(path)), str(path))
+    return parse_case(apply_settings(document, settings, str(path)), str(path), path.parent)
 
 
-def parse_case(document: Mapping[str, Any], source: str = "case") -> Case:
-    """Check a case given as nested dictionaries; `source` is named in the messages.
+def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path = Path()) -> Case:
+    """Check a case given as nested dictionaries.
+
+    Args:
+        source: what the messages call it.
+        folder: where the files that it names are.
 
     Raises:
         CaseError: with every problem found.
     """
     try:
+        document = with_points(document, folder)
         return Case.model_validate(document)
+    except PointsError as error:
+        raise CaseError(source, [str(error)]) from None
     except ValidationError as error:
         problems = [describe(detail, document, Case) for detail in error.errors(include_url=False)]
         raise CaseError(source, list(dict.fromkeys(problems))) from None

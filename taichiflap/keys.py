@@ -3,6 +3,7 @@
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 
 class Section(BaseModel):
@@ -26,3 +27,8 @@ def section(model: type[BaseModel]) -> Any:
 def as_tuple(value: Any) -> Any:
     """A file's list as the tuple that an immutable section holds."""
     return tuple(value) if isinstance(value, list) else value
+
+
+def needed(name: str, why: str) -> PydanticCustomError:
+    """What a section's validator raises for a key that has to be there because of others."""
+    return PydanticCustomError("needed", "{name} is missing: {why}", {"name": name, "why": why})

@@ -1,17 +1,24 @@
-"""What a run amounts to: cycle means and their spread, harmonics and phase, peaks, power."""
+"""What a run amounts to: means over its settled beats and their spread, harmonics and phase, peaks, power."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import motion
 from .case import Case
+from .motion import PITCH, PLUNGE
 from .results import Result
 
-SETTLED_BEATS = 5
-"""Statistics are over the last beats of a run: so many, or half of them if there are fewer than twice that."""
+REPEATS_WITHIN = 0.01
+"""A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
+FEWEST_BEATS = 3
+"""Settled beats that it takes to say so."""
+BLUR = 1e-6
+"""Differences between beats below this share of the force's root mean square are none."""
+MOMENTS = 512
+"""Times a beat at which the motion is looked at."""
 
 Array = NDArray[np.float64]
 
@@ -33,8 +40,15 @@ class Statistic:
 class Summary:
     """Settled behaviour of a run. SI units; `phase` in degrees; times as fractions of the period.
 
+    Of a motion that has no frequency the whole run counts as one beat.
+
     Attributes:
-        beats: number of beats that the statistics are over.
+        beats: number of beats that the statistics are over, the last of the run: its settled beats.
+        settled: whether these beats repeat: neither does their mean force drift, nor does it spread, by more than
+            1 % of the force's root mean square. None where nothing repeats.
+        force_drift: change of the mean force across these beats, by a straight line through them, as a share of the
+            force's root mean square.
+        force_spread: standard deviation of the mean force of these beats, as such a share.
         force_vertical, force_vertical_normal: mean vertical force, full vector and e_z component alone.
         force_normal_peak: largest magnitude of the normal force.
         force_normal_phase: phase advance of its first harmonic over that of the plunge (of the pitch, if the
@@ -47,6 +61,9 @@ class Summary:
     """
 
     beats: int
+    settled: bool | None
+    force_drift: float
+    force_spread: float
     force_vertical: Statistic
     force_vertical_normal: Statistic
     force_normal_peak: Statistic
@@ -64,7 +81,7 @@ def summarise(result: Result) -> Summary | None:
     """Summary of a run over its settled beats; None while it has no whole beat."""
     case = result.case
     time = result.time
-    beats = list(settled_beats(case, time))
+    beats = settled_beats(result)
     if not beats:
         return None
 
@@ -76,15 +93,19 @@ def summarise(result: Result) -> Summary | None:
 
     tip, normal, power = result.tip_deflection, result.force_normal, result.power
     last = beats[-1]
-    peak_time = case.motion.frequency * float(time[last][np.argmax(np.abs(tip[last]))])
+    peak_time = float(time[last][np.argmax(np.abs(tip[last]))]) / case.beat
+    drift, spread = _unrest(_mean_forces(result, beats), _size(result, beats))
     return Summary(
         beats=len(beats),
+        settled=len(beats) >= FEWEST_BEATS and max(drift, spread) <= REPEATS_WITHIN if case.periodic else None,
+        force_drift=drift,
+        force_spread=spread,
         force_vertical=mean(result.force_vertical),
         force_vertical_normal=mean(result.force_vertical_normal),
         force_normal_peak=peak(normal),
-        force_normal_phase=_phase(case, time, normal, beats),
+        force_normal_phase=_phase(case, time, normal, beats) if case.periodic else None,
         tip_peak=peak(tip),
-        tip_peak_time=_fraction(peak_time, 1.0),
+        tip_peak_time=_fraction(peak_time, 1.0) if case.periodic else peak_time,
         tip_peak_after_reversal=after_reversal(case, peak_time),
         power=mean(power),
         power_aerodynamic=mean(result.power_aerodynamic),
@@ -93,38 +114,82 @@ def summarise(result: Result) -> Summary | None:
     )
 
 
-def settled_beats(case: Case, time: Array) -> Iterator[NDArray[np.intp]]:
-    """Indices of the frames of each settled beat: those after its start, up to and with its end."""
-    beat = np.ceil(np.round(time * case.motion.frequency, 9)).astype(int)
-    whole = round(float(time[-1]) * case.motion.frequency, 9) // 1 if len(time) else 0
-    count = min(SETTLED_BEATS, math.ceil(whole / 2))
-    for number in range(int(whole) - count + 1, int(whole) + 1):
-        frames = np.flatnonzero(beat == number)
-        if len(frames):
-            yield frames
+def whole_beats(case: Case, time: Array) -> list[NDArray[np.intp]]:
+    """Indices of the frames of each whole beat: those after its start, up to and with its end."""
+    turns = np.round(time / case.beat, 9)
+    numbers = np.ceil(turns).astype(int)
+    found = (np.flatnonzero(numbers == n + 1) for n in range(int(turns[-1]) if len(turns) else 0))
+    return [frames for frames in found if len(frames)]
+
+
+def settled_beats(result: Result) -> list[NDArray[np.intp]]:
+    """The beats left when those that the start disturbs are dropped: indices of the frames of each.
+
+    So many are dropped, up to half, that the standard error of the mean force of the others is least: the marginal
+    standard error rule (White, Simulation 69, 1997), which weighs the bias of the start against the loss of samples.
+    """
+    beats = whole_beats(result.case, result.time)
+    if len(beats) < 2:
+        return beats
+    forces, blur = _mean_forces(result, beats), BLUR * _size(result, beats)
+    errors = []
+    for dropped in range(len(beats) // 2 + 1):
+        kept = forces[dropped:]
+        scatter = float(np.sum((kept - kept.mean(axis=0)) ** 2))
+        errors.append((scatter + len(kept) * blur**2) / len(kept) ** 2)
+    return beats[int(np.argmin(errors)) :]
+
+
+def _mean_forces(result: Result, beats: list[NDArray[np.intp]]) -> Array:
+    """Mean force vector of each beat, N, shape (beats, 2)."""
+    force = np.stack((result.force_y, result.force_z), axis=1)
+    return np.array([force[beat].mean(axis=0) for beat in beats])
+
+
+def _size(result: Result, beats: list[NDArray[np.intp]]) -> float:
+    """Root mean square of the force over the later half of some beats, N."""
+    frames = np.concatenate(beats[len(beats) // 2 :])
+    return math.sqrt(np.mean(result.force_y[frames] ** 2 + result.force_z[frames] ** 2))
+
+
+def _unrest(forces: Array, size: float) -> tuple[float, float]:
+    """Drift and spread of the mean forces of beats, as shares of `size`."""
+    count = len(forces)
+    if count < 2 or not size:
+        return 0.0, 0.0
+    slope = np.polyfit(np.arange(count), forces, 1)[0]
+    spread = math.sqrt(np.sum(np.var(forces, axis=0)))
+    return float(np.hypot(*slope)) * (count - 1) / size, spread / size
 
 
 def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
     """Complex amplitude `a` of a harmonic over whole beats: `values` holds `Re(a exp(2 pi i order f t))`."""
-    turn = np.exp(-2j * math.pi * order * case.motion.frequency * time)
+    turn = np.exp(-2j * math.pi * order / case.beat * time)
     return complex(2.0 * np.mean(values * turn))
 
 
+def reversals(case: Case, first: float, last: float) -> Array:
+    """Times (beats) of stroke reversal, where the plunge velocity changes sign, from `first` to `last`."""
+    step = case.beat / MOMENTS if case.periodic else case.step
+    return motion.reversals(case.motion, first * case.beat, last * case.beat, step) / case.beat
+
+
 def after_reversal(case: Case, beats: float) -> float | None:
-    """Time (beats) since the plunge velocity last vanished; None if the wing does not plunge."""
-    if not case.motion.plunge.amplitude:
-        return None
-    return _fraction(beats + case.motion.plunge.phase_deg / 360.0 - 0.25, 0.5)
+    """Time (beats) from the last stroke reversal to a time (beats); None if there was none within a beat."""
+    found = reversals(case, max(0.0, beats - 1.0), beats)
+    return max(0.0, beats - float(found[-1])) if len(found) else None
 
 
 def _phase(case: Case, time: Array, values: Array, beats: list[NDArray[np.intp]]) -> float | None:
-    motion = case.motion
-    driver = motion.plunge if motion.plunge.amplitude else motion.pitch if motion.pitch.amplitude_deg else None
-    if driver is None:
-        return None
     frames = np.concatenate(beats)
-    advance = np.angle(harmonic(case, time[frames], values[frames]), deg=True) + 90.0 - driver.phase_deg
-    return 180.0 - (180.0 - float(advance)) % 360.0
+    moments = case.beat * (round(float(time[frames[-1]]) / case.beat) - np.arange(MOMENTS) / MOMENTS)
+    moved = motion.sample(case.motion, moments)
+    for axis in (PLUNGE, PITCH):
+        driver = harmonic(case, moments, moved[:, axis])
+        if abs(driver) > motion.NOISE * np.abs(moved[:, axis]).max():
+            advance = np.angle(harmonic(case, time[frames], values[frames]) / driver, deg=True)
+            return 180.0 - (180.0 - float(advance)) % 360.0
+    return None
 
 
 def _fraction(value: float, period: float) -> float:

@@ -1,34 +1,73 @@
-"""Prescribed motion of the leading edge: plunge Z and pitch theta, with exact first and second derivatives.
+"""Prescribed motion of the pivot: plunge Z and pitch theta, with exact first and second derivatives.
 
-Table 2 of Reade & Jankauski (2020). A motion is sampled once, at all the steps of a case, before the march.
+Table 2 of Reade & Jankauski (2020) and other kinds. A motion is sampled once, at all steps of a case, before the march.
 """
 
 import math
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .sections.motion import Motion
+from . import profiles
+from .sections.motion import Motion, Profile
 
 PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL = range(6)
 """Columns of a sampled motion."""
 
+NOISE = 1e-9
+"""Plunge velocities below this share of the largest are round-off, not motion."""
+HALVINGS = 60
 
-def sample(motion: Motion, times: NDArray[np.float64]) -> NDArray[np.float64]:
+Array = NDArray[np.float64]
+
+
+def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
     """Motion at `times` (s).
 
     Returns:
         Shape (times, 6): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2.
     """
-    plunge = _harmonic(times, motion.frequency, motion.plunge.amplitude, motion.plunge.phase_deg)
-    pitch = _harmonic(times, motion.frequency, math.radians(motion.pitch.amplitude_deg), motion.pitch.phase_deg)
-    pitch[:, 0] += math.radians(motion.pitch.mean_deg)
-    return np.hstack((plunge, pitch))
+    axes = [_follow(axis, motion.frequency, times) for axis in (motion.plunge, motion.pitch)]
+    if motion.growth:
+        grown = profiles.start_up(times, motion.growth)
+        axes = [profiles.product(grown, axis) for axis in axes]
+    return np.hstack(axes)
 
 
-def _harmonic(times: NDArray[np.float64], frequency: float, amplitude: float, phase_deg: float) -> NDArray[np.float64]:
-    """`amplitude * sin(2 pi frequency t + phase)` and its two derivatives, shape (times, 3)."""
-    rate = 2.0 * math.pi * frequency
-    angle = rate * times + math.radians(phase_deg)
-    sine, cosine = np.sin(angle), np.cos(angle)
-    return amplitude * np.stack((sine, rate * cosine, -(rate**2) * sine), axis=1)
+def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
+    """Times (s) of stroke reversal from `first` to `last`: where the plunge velocity changes sign.
+
+    Args:
+        step: s; two reversals within a step may be missed.
+    """
+    # Half a step off, so that a reversal at a time of the grid lies between two of them.
+    count = math.ceil((last - first) / step) + 2
+    times = first + step * (np.arange(count) - 0.5)
+    rate = sample(motion, times)[:, PLUNGE_RATE]
+    moving = np.flatnonzero(np.abs(rate) > NOISE * np.abs(rate).max())
+    times, forth = times[moving], rate[moving] > 0.0
+    turns = np.flatnonzero(forth[1:] != forth[:-1])
+    early, late, forth = times[turns], times[turns + 1], forth[turns]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (early + late)
+        before = (sample(motion, middle)[:, PLUNGE_RATE] > 0.0) == forth
+        early, late = np.where(before, middle, early), np.where(before, late, middle)
+    found = 0.5 * (early + late)
+    return found[(found > first - NOISE * step) & (found < last + NOISE * step)]
+
+
+def typical_speed(motion: Motion, chord: float, stream: tuple[float, float], times: Array) -> float:
+    """Root mean square over `times` of the speed (m/s) of a rigid wing's trailing edge relative to the stream."""
+    moved = sample(motion, times)
+    turning = chord * moved[:, PITCH_RATE]
+    along_y = -turning * np.sin(moved[:, PITCH]) - stream[0]
+    along_z = moved[:, PLUNGE_RATE] + turning * np.cos(moved[:, PITCH]) - stream[1]
+    return math.sqrt(np.mean(along_y**2 + along_z**2))
+
+
+def _follow(axis: Profile, frequency: float | None, times: NDArray[np.floating]) -> Array:
+    formula, arguments = getattr(profiles, axis.kind), axis.in_si()
+    if axis.repeats:
+        arguments["frequency"] = frequency
+    return cast(Array, formula(times, **arguments))

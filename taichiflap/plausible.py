@@ -8,10 +8,11 @@ def warnings(case: Case) -> list[str]:
     """What is implausible about a case, one sentence each; an empty list when nothing is."""
     found = []
     first = beam.modes(case.wing).frequency[:1]
-    if first.size and first[0] < case.motion.frequency:
+    flapping = case.motion.frequency
+    if first.size and flapping and first[0] < flapping:
         found.append(
             f"the first natural frequency, {first[0]:.4g} Hz, is below the flapping frequency, "
-            f"{case.motion.frequency:g} Hz: check wing.youngs_modulus and wing.thickness"
+            f"{flapping:g} Hz: check wing.youngs_modulus and wing.thickness"
         )
     if case.wing.density <= case.fluid.density:
         found.append(

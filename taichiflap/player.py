@@ -49,7 +49,7 @@ def pack(values: ArrayLike) -> dict[str, Any]:
 
 def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], float]:
     """Frames that fit in the budget, and how many of them make a beat."""
-    stored = result.case.time.steps_per_period / result.case.output.every
+    stored = result.case.steps_per_beat / result.case.output.every
     for count in range(beats, 0, -1):
         indices = scene.last_beats(result, count)[:-1]
         nodes = result.file["node_position"].shape[1]
@@ -67,8 +67,9 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
     loaded = not any(len(frame.wake) for frame in frames)
     data = {
         "chord": case.wing.chord,
-        "frequency": case.motion.frequency,
-        "sway": case.motion.plunge.amplitude,
+        "beat": case.beat,
+        "periodic": case.periodic,
+        "sway": scene.sway(result, indices),
         "first": frames[0].beats,
         "per_beat": per_beat,
         "page": shared.page,
@@ -89,7 +90,9 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "lift": pack(result.force_vertical[indices]),
         "tables": {"light": _base64(palette.table(palette.LIGHT)), "dark": _base64(palette.table(palette.DARK))},
     }
-    model = f"{case.solver.upper()}, {'flexible' if case.wing.modes else 'rigid'} wing, {case.motion.frequency:g} Hz"
+    model = f"{case.solver.upper()}, {'flexible' if case.wing.modes else 'rigid'} wing"
+    if case.motion.frequency:
+        model += f", {case.motion.frequency:g} Hz"
     if case.solver == "dbet":
         model += "; blade elements have no wake"
     return Template(resources.files(__package__).joinpath("player.html").read_text(encoding="utf-8")).substitute(

@@ -13,7 +13,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from . import outputs, palette, scene
-from .metrics import after_reversal
+from .metrics import reversals
+from .motion import PLUNGE_RATE, sample
 from .results import Result
 
 WIDTH = 7.1
@@ -95,11 +96,12 @@ def summary(results: Sequence[Result]) -> Figure:
         figure = Figure(figsize=(WIDTH, 4.9), layout="constrained")
         axes = list(figure.subplots(2, 2, sharex=True).flat)
         handles, names = [], _names(results)
+        length, label_of_time = scene.abscissa(results[0].case)
         for number, result in enumerate(results):
             colour = palette.LINES[number % len(palette.LINES)]
             frames = scene.last_beats(result)
-            turns = result.time[frames] * result.case.motion.frequency
-            turns = turns - round(turns[-1]) + 1.0
+            turns = result.time[frames] / result.case.beat
+            turns = length * (turns - round(turns[-1]) + 1.0)
             for ax, (_, series) in zip(axes, PANELS, strict=True):
                 for variable, (_, line) in zip(series, STYLES, strict=False):
                     width = 1.3 if line == "-" else 1.0
@@ -108,8 +110,8 @@ def summary(results: Sequence[Result]) -> Figure:
             name = f"{names[number]} ({result.case.solver.upper()}, mean vertical force {mean:.2f} mN)"
             handles.append(Line2D([], [], color=colour, label=name))
         for letter, ax, (label, series) in zip("abcd", axes, PANELS, strict=True):
-            _shade(ax, results[0])
-            ax.set(ylabel=label, xlim=(0.0, 1.0))
+            _shade(ax, results[0], length)
+            ax.set(ylabel=label, xlim=(0.0, length))
             ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
             ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
             if len(series) > 1:
@@ -119,7 +121,7 @@ def summary(results: Sequence[Result]) -> Figure:
                 key = [Line2D([], [], linestyle=line, color=palette.LIGHT.ink, label=name) for name, line in STYLES]
                 ax.legend(handles=key, loc="upper center", ncols=3, handlelength=1.9, columnspacing=1.2)
         for ax in axes[2:]:
-            ax.set_xlabel("Time in the last beat, t/T")
+            ax.set_xlabel(label_of_time)
         figure.legend(handles=handles, loc="outside upper center", ncols=1)
     return figure
 
@@ -131,7 +133,9 @@ def wing(result: Result) -> Figure:
         SceneError: when the result has no whole beat.
     """
     stored = scene.last_beats(result)
-    chosen = stored[np.rint(np.linspace(0, len(stored) - 1, INSTANTS + 1)).astype(int)[:-1]]
+    # A beat ends as it begins; a motion that does not repeat is shown to its end, and begins with no wake.
+    instants = np.linspace(0, len(stored) - 1, INSTANTS + 1)
+    chosen = stored[np.rint(instants).astype(int)[:-1] if result.case.periodic else np.rint(instants).astype(int)[1:]]
     frames = [scene.frame(result, int(index)) for index in chosen]
     beat = round(frames[0].beats)
     chord = result.case.wing.chord
@@ -152,7 +156,7 @@ def wing(result: Result) -> Figure:
             dots = _draw_wake(ax, frame, shared, size, many) if dotted else None
             _draw_wing(ax, frame, size)
             ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-            ax.set_title(f"t/T = {round(frame.beats - beat, 3):.3f}", fontsize=8, pad=3)
+            ax.set_title(scene.when(result.case, round(frame.beats, 6)), fontsize=8, pad=3)
             arrows = (_draw_load if dots is None else _draw_force)(ax, frame, shared, chord, size)
         figure.supxlabel("Along the stroke, Z (mm)", fontsize=8)
         figure.supylabel("Up, −Y (mm)", fontsize=8)
@@ -165,7 +169,7 @@ def wing(result: Result) -> Figure:
             )
             bar.set_label("Circulation of wake vortices, Γ (m² s⁻¹)\npositive counter-clockwise")
             bar.outline.set_linewidth(0.4)
-        title = f"{scene.label(result)}: beat {beat + 1}"
+        title = f"{scene.label(result)}{f': beat {beat + 1}' if result.case.periodic else ''}"
         figure.text(0.01, head, title, va="center", fontsize=8.5)
         axes[0, 0].quiverkey(
             arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}
@@ -181,20 +185,25 @@ def _names(results: Sequence[Result]) -> list[str]:
     return [f"{name}, {outputs.place(result, None)}" for name, result in zip(names, results, strict=True)]
 
 
-def _shade(ax: Any, result: Result) -> None:
-    """Shade the half-strokes towards +Z."""
-    edges = [0.0, *scene.reversals(result.case, 0.0, 1.0), 1.0]
-    if len(edges) == 2:
+def _shade(ax: Any, result: Result, length: float) -> None:
+    """Shade the half-strokes towards +Z; `length` is what a beat is on the axis."""
+    case = result.case
+    end = round(result.time[scene.last_beats(result)[-1]] / case.beat)
+    found = reversals(case, end - 1.0, end)
+    if not len(found):
         return
+    edges = [float(end - 1), *found, float(end)]
     for left, right in itertools.pairwise(edges):
-        middle = 0.5 * (left + right)
-        if right - left < 1e-6 or after_reversal(result.case, middle) is None:
+        if right - left < 1e-6:
             continue
-        forth = np.cos(2.0 * np.pi * middle + np.radians(result.case.motion.plunge.phase_deg)) > 0.0
+        middle = 0.5 * (left + right)
+        forth = sample(case.motion, np.array([middle * case.beat]))[0, PLUNGE_RATE] > 0.0
         if forth:
-            ax.axvspan(left, right, color=palette.LIGHT.faint, linewidth=0.0, zorder=0)
+            span = length * (left - edges[0]), length * (right - edges[0])
+            ax.axvspan(*span, color=palette.LIGHT.faint, linewidth=0.0, zorder=0)
         ax.annotate(
-            f"stroke to {'+' if forth else '−'}Z", (middle, 1.0), (0, 3), ("data", "axes fraction"), "offset points",
+            f"stroke to {'+' if forth else '−'}Z", (length * (middle - edges[0]), 1.0), (0, 3),
+            ("data", "axes fraction"), "offset points",
             ha="center", va="bottom", fontsize=7, color=palette.LIGHT.muted,
         )  # fmt: skip
 

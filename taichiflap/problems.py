@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -13,32 +13,50 @@ Keys = list[str | int]
 
 def describe(detail: ErrorDetails, document: Mapping[str, Any], root: type[BaseModel]) -> str:
     """One line for one of pydantic's findings about `document`, a file that should fit the model `root`."""
-    keys = _real_keys(detail["loc"], document)
+    found = detail["type"]
+    context = detail.get("ctx", {})
+    keys = _keys(detail["loc"], document, root)
+    if found == "needed":
+        keys += context["name"].split(".")
+    if found == "union_tag_invalid":
+        kinds = context["expected_tags"].replace("'", '"').replace(", ", " or ")
+        return f"{_dotted(keys)}.kind = {_shown(context['tag'])}: must be {kinds}"
     name = _dotted(keys)
-    if detail["type"] == "extra_forbidden":
-        return f"{name}: unknown key{_nearest_key(keys, root)}"
-    owner, key = _owner(keys, root)
+    if found == "extra_forbidden":
+        return f"{name}: unknown key{_nearest_key(keys, document, root)}"
+    owner, key = _owner(keys, document, root)
     allowed = _allowed(owner, key) if owner else ""
-    if detail["type"] == "missing" and isinstance(detail["loc"][-1], str):
+    if found == "needed":
+        return f"{name}: missing; give {allowed}; {context['why']}"
+    if found == "missing" and isinstance(detail["loc"][-1], str):
         return f"{name}: missing; give {allowed}"
     message = detail["msg"].removeprefix("Value error, ")
-    if detail["type"] == "value_error":
-        return f"{name} = {_shown(detail['input'])}: {message}" if keys else message
+    if found == "value_error":
+        given = "" if isinstance(detail["input"], Mapping) else f" = {_shown(detail['input'])}"
+        return f"{name}{given}: {message}" if keys else message
     return f"{name or 'case'} = {_shown(detail['input'])}: must be {allowed or message[:1].lower() + message[1:]}"
 
 
-def _real_keys(loc: tuple[str | int, ...], document: Any) -> Keys:
+def _keys(loc: tuple[str | int, ...], document: Any, root: type[BaseModel]) -> Keys:
     """The path within the file: pydantic's, without the tags of the alternatives that it tried."""
     keys: Keys = []
     value: Any = document
+    model: type[BaseModel] | None = root
+    chosen = False
     for key in loc:
+        if chosen:  # the tag of a section of several kinds
+            chosen = False
+            continue
         if isinstance(value, Mapping):
             value = value.get(str(key))
-        elif isinstance(value, list) and isinstance(key, int) and key < len(value):
+        elif isinstance(value, list | tuple) and isinstance(key, int) and key < len(value):
             value = value[key]
         else:
             continue
         keys.append(key)
+        field = model.model_fields.get(str(key)) if model else None
+        chosen = field is not None and len(sections(field)) > 1
+        model = _section(field, value) if field else None
     return keys
 
 
@@ -46,29 +64,50 @@ def _dotted(keys: Iterable[str | int]) -> str:
     return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).removeprefix(".")
 
 
-def _section(field: FieldInfo) -> type[BaseModel] | None:
-    annotation = field.annotation
-    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+def sections(field: FieldInfo) -> list[type[BaseModel]]:
+    """The section that a key holds, or each of its kinds; none for a value."""
+    annotations = [get_args(part)[0] if get_origin(part) is Annotated else part for part in get_args(field.annotation)]
+    return [part for part in (field.annotation, *annotations) if isinstance(part, type) and issubclass(part, BaseModel)]
 
 
-def _owner(keys: Keys, root: type[BaseModel]) -> tuple[type[BaseModel] | None, str]:
+def first_line(section: type[BaseModel]) -> str:
+    """What a section is."""
+    return (section.__doc__ or "").strip().partition("\n")[0]
+
+
+def _section(field: FieldInfo, value: Any = None) -> type[BaseModel] | None:
+    """The section that a key holds, of the kind that `value` asks for, else of the first."""
+    found = sections(field)
+    kind = value.get("kind") if isinstance(value, Mapping) else None
+    asked = [part for part in found if "kind" in part.model_fields and kind in get_args(_annotation(part, "kind"))]
+    return next(iter([*asked, *found]), None)
+
+
+def _annotation(model: type[BaseModel], key: str) -> Any:
+    return model.model_fields[key].annotation
+
+
+def _owner(keys: Keys, document: Any, root: type[BaseModel]) -> tuple[type[BaseModel] | None, str]:
     """The section that holds the last named key of a path, and that key."""
     owner: type[BaseModel] | None = None
     model: type[BaseModel] | None = root
-    name = ""
+    name, value = "", document
     for key in keys:
         if isinstance(key, int) or model is None or key not in model.model_fields:
             break
         owner, name = model, key
-        model = _section(model.model_fields[key])
+        value = value.get(key) if isinstance(value, Mapping) else None
+        model = _section(model.model_fields[key], value)
     return owner, name
 
 
-def _nearest_key(keys: Keys, root: type[BaseModel]) -> str:
+def _nearest_key(keys: Keys, document: Any, root: type[BaseModel]) -> str:
     *tables, last = keys
     model: type[BaseModel] | None = root
+    value = document
     for table in tables:
-        model = _section(model.model_fields[str(table)]) if model else None
+        value = value[table]
+        model = _section(model.model_fields[str(table)], value) if model else None
     here = list(model.model_fields) if model else []
     nearest = difflib.get_close_matches(str(last), here, 1)
     if nearest:
@@ -91,14 +130,22 @@ def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterable[str]:
 def _allowed(owner: type[BaseModel], key: str) -> str:
     """What a key may hold, from its schema: 'a number > 0 and <= 100 m, e.g. 0.02 (chord)'."""
     field = owner.model_fields[key]
-    if _section(field):
-        return f"a table: {(field.annotation.__doc__ or '').strip()}"
+    section = _section(field)
+    if section:
+        return f"a table: {first_line(section)}"
     schema = owner.model_json_schema()["properties"][key]
-    kinds = schema.get("oneOf", [schema])
+    kinds = _alternatives(schema)
     words = " or ".join(dict.fromkeys(_kind(kind) for kind in kinds))
     unit = f" {schema['unit']}" if "unit" in schema else ""
     example = f", e.g. {_shown(field.examples[0])}" if field.examples else ""
     return f"{words}{unit}{example} ({field.description})"
+
+
+def _alternatives(schema: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    several = schema.get("oneOf") or schema.get("anyOf")
+    if not several:
+        return [] if schema.get("type") == "null" else [schema]
+    return [kind for one in several for kind in _alternatives(one)]
 
 
 _KINDS = {"number": "a number", "integer": "a whole number", "boolean": "true or false", "string": "text"}
@@ -113,6 +160,8 @@ def _kind(schema: Mapping[str, Any]) -> str:
     if schema.get("type") == "array":
         items = schema.get("prefixItems") or [schema.get("items", {})]
         count = f"{len(items)} " if "prefixItems" in schema else ""
+        if items[0].get("type") == "array":
+            return f"a list of rows, each {_kind(items[0]).partition(', each')[0]}"
         return f"a list of {count}numbers, each {_limits(items[0])}"
     return f"{_KINDS.get(str(schema.get('type')), 'a value')} {_limits(schema)}".strip()
 

@@ -1,6 +1,7 @@
 """The progress bar of a run in a terminal: beats, rate, time left."""
 
 import contextlib
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -27,17 +28,24 @@ def bar(case: Case) -> Iterator[Callback]:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
-        TextColumn("beat {task.fields[beat]} of {task.fields[beats]}"),
+        TextColumn("{task.fields[place]}"),
         _Rate(),
         TimeRemainingColumn(compact=True),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
-        task = shown.add_task(case.title or "simulating", total=case.steps, beat=0, beats=case.time.periods)
+        task = shown.add_task(case.title or "simulating", total=case.steps, place=_place(case, 0))
 
         def update(done: int, total: int) -> None:
-            shown.update(task, completed=done, total=total, beat=done // case.time.steps_per_period)
+            shown.update(task, completed=done, total=total, place=_place(case, done))
 
         yield update
+
+
+def _place(case: Case, done: int) -> str:
+    if not case.periodic:
+        return f"{done * case.step:.4g} of {case.duration:.4g} s"
+    beats = case.duration / case.beat
+    return f"beat {math.floor(done / case.steps_per_beat + 1e-9)} of {round(beats, 2):g}"
 
 
 @contextlib.contextmanager

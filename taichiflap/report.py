@@ -1,11 +1,13 @@
 """A run in words: the lines that `simulate` and `info` print."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
 from .case import Case
-from .metrics import Statistic, Summary, summarise
+from .metrics import FEWEST_BEATS, Statistic, Summary, summarise
 from .results import Result
+from .sections.motion import Profile
 
 LABEL = 24
 
@@ -21,9 +23,9 @@ def summary_lines(result: Result) -> Iterator[str]:
     yield _line("motion", _motion(case))
     summary = summarise(result)
     if summary is None:
-        yield "no whole beat yet: no statistics"
+        yield "no whole beat yet: no statistics" if case.periodic else "not complete: no statistics"
     else:
-        yield from _statistics(summary)
+        yield from _statistics(case, summary)
     if "solve_time" in attributes:
         yield _line("solve time", f"{attributes['solve_time']:.3g} s for {case.steps} steps")
     for warning in filter(None, str(attributes["warnings"]).splitlines()):
@@ -32,8 +34,11 @@ def summary_lines(result: Result) -> Iterator[str]:
         yield _line("failed", attributes["reason"])
 
 
-def _statistics(summary: Summary) -> Iterator[str]:
-    yield f"over the last {summary.beats} beat{'s' if summary.beats > 1 else ''} (mean ± spread from beat to beat):"
+def _statistics(case: Case, summary: Summary) -> Iterator[str]:
+    if case.periodic:
+        yield f"over the last {summary.beats} beat{'s' if summary.beats > 1 else ''} (mean ± spread from beat to beat):"
+    else:
+        yield "over the whole run:"
     yield _line("vertical force", _shown(summary.force_vertical, 1e3, "mN, full vector"))
     yield _line("", _shown(summary.force_vertical_normal, 1e3, "mN, wing-normal part alone"))
     phase = summary.force_normal_phase
@@ -41,11 +46,34 @@ def _statistics(summary: Summary) -> Iterator[str]:
     yield _line("peak normal force", _shown(summary.force_normal_peak, 1e3, f"mN{lead}"))
     if summary.tip_peak.mean:
         after = summary.tip_peak_after_reversal
-        when = f"t/T = {summary.tip_peak_time:.3f}" + ("" if after is None else f", {after:.3f} T after reversal")
+        if case.periodic:
+            when = f"t/T = {summary.tip_peak_time:.3f}" + ("" if after is None else f", {after:.3f} T after reversal")
+        else:
+            when = f"t = {summary.tip_peak_time * case.beat:.4g} s"
         yield _line("peak tip deflection", _shown(summary.tip_peak, 1e3, f"mm, at {when}"))
     yield _line("mechanical power", _shown(summary.power, 1e3, "mW"))
     yield _line("  against the fluid", _shown(summary.power_aerodynamic, 1e3, "mW"))
     yield _line("  positive part alone", _shown(summary.power_positive, 1e3, "mW"))
+    unrest = _unrest(summary)
+    if unrest:
+        yield f"warning: {unrest}"
+
+
+def _unrest(summary: Summary) -> str:
+    """Why the means are not to be trusted yet; nothing if they are, or if nothing repeats."""
+    if summary.settled is not False:
+        return ""
+    if summary.beats < FEWEST_BEATS:
+        return "too few beats to tell whether the run has settled: give it more time.periods"
+    if summary.force_drift > 2.0 * summary.force_spread:
+        return (
+            f"not yet periodic: over these beats the mean force drifts by {100 * summary.force_drift:.2g} % "
+            "of its rms; give it more time.periods"
+        )
+    return (
+        f"the beats do not repeat: their mean force spreads by {100 * summary.force_spread:.2g} % of its rms; "
+        "with more time.periods the mean gets firmer"
+    )
 
 
 def _line(label: str, text: Any) -> str:
@@ -70,8 +98,23 @@ def _wing(case: Case, result: Result) -> str:
 
 
 def _motion(case: Case) -> str:
-    motion = case.motion
-    return (
-        f"{motion.frequency:g} Hz, plunge {1e3 * motion.plunge.amplitude:g} mm, "
-        f"pitch {motion.pitch.amplitude_deg:g} deg, {case.time.periods} beats of {case.time.steps_per_period} steps"
-    )
+    motion, time = case.motion, case.time
+    rate = f"{motion.frequency:g} Hz, " if motion.frequency else ""
+    if time.periods is None:
+        steps = f"{case.steps} steps of {case.step:.4g} s"
+    else:
+        steps = f"{time.periods} beats of {case.steps_per_beat:g} steps"
+    plunge, pitch = _travel(motion.plunge, 1e3, "mm"), _travel(motion.pitch, 180.0 / math.pi, "deg")
+    return f"{rate}plunge {plunge}, pitch {pitch}, {steps}"
+
+
+def _travel(axis: Profile, scale: float, unit: str) -> str:
+    """How far plunge or pitch goes, and how if not harmonically."""
+    keys = axis.in_si()
+    if "points" in keys:
+        values = [scale * value for _, value in keys["points"]]
+        return f"{min(values):.3g} to {max(values):.3g} {unit} (table)"
+    kind = "" if axis.kind == "harmonic" else f" ({axis.kind})"
+    middle = keys.get("mean", keys.get("initial"))
+    about = f" about {scale * middle:.3g} {unit}" if middle else ""
+    return f"{scale * keys['amplitude']:.3g} {unit}{about}{kind}"

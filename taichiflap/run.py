@@ -70,7 +70,7 @@ def simulate(
         ValueError: when the cases of a batch do not share their solver.
     """
     single = isinstance(case, Case)
-    cases: list[Case] = [case] if isinstance(case, Case) else list(case)
+    cases = [one.resolved() for one in ([case] if isinstance(case, Case) else case)]
     paths: list[Any] = [output] if single else list(output or [None] * len(cases))
     if len({one.solver for one in cases}) != 1 or len(paths) != len(cases):
         raise ValueError("give at least one case, all of one solver, and as many outputs as cases")

@@ -38,7 +38,7 @@ class Frame:
     """One instant.
 
     Attributes:
-        beats: time over the period, t/T.
+        beats: time over the period, t/T, or over the run's duration where nothing repeats.
         wing: positions of the nodes on the page, m, shape (nodes, 2).
         wake: positions of the wake vortices on the page, m, oldest first, shape (vortices, 2).
         circulation: theirs, m2/s.
@@ -94,7 +94,7 @@ def last_beats(result: Result, beats: int = 1) -> NDArray[np.intp]:
     Raises:
         SceneError: when the run has not got so far, has failed there, or stores hardly any frames.
     """
-    turns = result.time * result.case.motion.frequency
+    turns = result.time / result.case.beat
     whole = math.floor(round(float(turns[-1]), 9)) if len(turns) else 0
     if whole < 1:
         raise SceneError(f"{result.path or label(result)}: has no whole beat yet, so there is nothing to draw")
@@ -122,7 +122,7 @@ def frame(result: Result, index: int) -> Frame:
     normal = np.asarray(result.frame("pressure_jump", index), dtype=float)
     axial = np.asarray(result.frame("shear", index), dtype=float) if "shear" in result.variables else 0.0 * normal
     return Frame(
-        beats=float(result.frame("time", index)) * result.case.motion.frequency,
+        beats=float(result.frame("time", index)) / result.case.beat,
         wing=on_page(nodes[:, 0], nodes[:, 1]),
         wake=on_page(wake["y"], wake["z"]),
         circulation=np.asarray(wake["circulation"], dtype=float),
@@ -158,15 +158,27 @@ def bounds(frames: list[Frame], chord: float) -> Bounds:
     )
 
 
-def reversals(case: Case, first: float, last: float) -> Array:
-    """Times t/T of stroke reversal from `first` to `last`; none if the wing does not plunge."""
-    if not case.motion.plunge.amplitude:
-        return np.empty(0)
-    shift = 0.25 - case.motion.plunge.phase_deg / 360.0
-    halves = np.arange(math.ceil(2.0 * (first - shift) - 1e-9), math.floor(2.0 * (last - shift) + 1e-9) + 1)
-    return cast(Array, 0.5 * halves + shift)
+def abscissa(case: Case) -> tuple[float, str]:
+    """What a beat is on the axis of times, and what the axis says: where nothing repeats, chords or milliseconds."""
+    if case.periodic:
+        return 1.0, "Time in the last beat, t/T"
+    stream = math.hypot(*case.fluid.velocity)
+    if stream:
+        return stream * case.beat / case.wing.chord, "Chords travelled by the stream, Ut/c"
+    return 1e3 * case.beat, "Time, t (ms)"
+
+
+def when(case: Case, beats: float) -> str:
+    """A time within the beat in words, t/T; in ms where nothing repeats."""
+    return f"t/T = {beats % 1.0:.3f}" if case.periodic else f"t = {1e3 * beats * case.beat:.4g} ms"
+
+
+def sway(result: Result, frames: NDArray[np.intp]) -> tuple[float, float]:
+    """How far the pivot goes along the stroke in some frames, m."""
+    plunge = result.plunge[frames]
+    return float(plunge.min()), float(plunge.max())
 
 
 def slow_down(case: Case, seconds_per_beat: float) -> float:
     """How many times slower than life a beat is shown."""
-    return seconds_per_beat * case.motion.frequency
+    return seconds_per_beat / case.beat

@@ -1,17 +1,19 @@
 """A commented case file to start from, written from the models of `taichiflap.case` so that it is never stale."""
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, get_args
 
 import tomli_w
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from .case import Case, case_schema
+from .problems import first_line, sections
 
 COMMENT_COLUMN = 34
 EXAMPLE: dict[str, Any] = {
     "title": "My wing",
+    "motion.frequency": 25.0,
     "motion.plunge": {"amplitude": 0.02, "phase_deg": 90.0},
     "motion.pitch": {"amplitude_deg": 15.0, "phase_deg": 0.0, "mean_deg": 0.0},
 }
@@ -29,27 +31,40 @@ def commented_case() -> str:
 
 
 def _keys(model: type[BaseModel], prefix: str) -> Iterator[str]:
-    sections = []
+    nested = []
     for key, field in model.model_fields.items():
-        section = field.annotation
+        found = sections(field)
         path = f"{prefix}{key}"
-        if path in EXAMPLE and path != "title":
-            table = ", ".join(f"{k} = {_toml(v)}" for k, v in EXAMPLE[path].items())
-            yield f"{key} = {{ {table} }}"
-        elif isinstance(section, type) and issubclass(section, BaseModel):
-            sections.append((path, section))
+        if len(found) > 1:
+            yield from _kinds(key, path, found)
+        elif found:
+            nested.append((path, found[0]))
         else:
-            yield _commented(f"{key} = {_toml(_example(path, field))}", model, key, field)
-    for path, section in sections:
+            hidden = "# " if field.default is None and path not in EXAMPLE else ""
+            yield _commented(f"{hidden}{key} = {_toml(_example(path, field))}", model, key, field)
+    for path, section in nested:
         yield ""
-        yield f"[{path}]  # {(section.__doc__ or '').strip().rstrip('.')}"
+        yield f"[{path}]  # {first_line(section).rstrip('.')}"
         yield from _keys(section, f"{path}.")
+
+
+def _kinds(key: str, path: str, models: list[type[BaseModel]]) -> Iterator[str]:
+    """A section of several kinds: the first, and the others as comments."""
+    yield f"{key} = {_toml(EXAMPLE[path])}"
+    for model in models[1:]:
+        table = {
+            name: EXAMPLE[path].get(name, _example(f"{path}.{name}", field))
+            for name, field in model.model_fields.items()
+            if name != "kind" and (field.default not in (None, ()) or name == "file")
+        }
+        kind = get_args(model.model_fields["kind"].annotation)[0]
+        yield f"# {key} = {_toml({'kind': kind} | table)}"
 
 
 def _example(path: str, field: Any) -> Any:
     if path in EXAMPLE:
         return EXAMPLE[path]
-    return field.default if field.default is not PydanticUndefined else field.examples[0]
+    return field.examples[0] if field.default in (PydanticUndefined, None) else field.default
 
 
 def _commented(text: str, model: type[BaseModel], key: str, field: Any) -> str:
@@ -61,7 +76,9 @@ def _commented(text: str, model: type[BaseModel], key: str, field: Any) -> str:
 
 
 def _toml(value: Any) -> str:
-    if isinstance(value, tuple):
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_toml(item)}' for key, item in value.items())} }}"
+    if isinstance(value, tuple | list):
         return f"[{', '.join(_toml(item) for item in value)}]"
     if isinstance(value, float):
         return f"{value:.12g}" if value != int(value) or abs(value) >= 1e6 else repr(value)

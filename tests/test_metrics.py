@@ -7,7 +7,8 @@ import pytest
 from conftest import hawkmoth
 
 import taichiflap
-from taichiflap import metrics
+from taichiflap import metrics, report
+from taichiflap.case import parse_case
 
 
 def synthetic(case, **series):
@@ -15,21 +16,83 @@ def synthetic(case, **series):
     time = case.step * np.arange(0, case.steps + 1, case.output.every)
     names = (
         "tip_deflection", "force_normal", "force_vertical", "force_vertical_normal", "power", "power_aerodynamic",
-        "power_inertial",
+        "power_inertial", "force_y", "force_z",
     )  # fmt: skip
     values = {name: series.get(name, np.zeros_like)(time) for name in names}
     return SimpleNamespace(case=case, time=time, **values)
 
 
-def test_means_and_spread_over_the_last_five_beats():
+def beat(t):
+    return np.ceil(np.round(t * 25.0, 9))
+
+
+def test_a_run_that_drifts_is_not_settled_and_half_of_it_is_kept():
     case = hawkmoth("time.periods=12")
-    beat = lambda t: np.ceil(np.round(t * 25.0, 9))  # noqa: E731
-    summary = metrics.summarise(synthetic(case, force_vertical=beat, power=lambda t: np.sin(50 * np.pi * t)))
-    assert summary.beats == 5
-    assert summary.force_vertical.mean == pytest.approx(10.0)
-    assert summary.force_vertical.spread == pytest.approx(np.std([8, 9, 10, 11, 12]))
+    summary = metrics.summarise(
+        synthetic(case, force_y=lambda t: -beat(t), force_vertical=beat, power=lambda t: np.sin(50 * np.pi * t))
+    )
+    assert summary.beats == 6
+    assert summary.force_vertical.mean == pytest.approx(9.5)
+    assert summary.force_vertical.spread == pytest.approx(np.std([7, 8, 9, 10, 11, 12]))
+    rms = np.sqrt(np.mean(np.square([10, 11, 12])))
+    assert summary.force_drift == pytest.approx(5.0 / rms)
+    assert not summary.settled
     assert summary.power.mean == pytest.approx(0.0, abs=1e-12)
     assert summary.power_positive.mean == pytest.approx(1 / np.pi, rel=1e-3)
+
+
+@pytest.mark.parametrize("disturbed", range(7))
+def test_beats_that_the_start_disturbs_are_dropped_and_no_others(disturbed, rng):
+    case = hawkmoth("time.periods=14")
+    noise = 1e-3 * rng.standard_normal(15)
+
+    def force(t):
+        n = beat(t)
+        return 1.0 + noise[n.astype(int)] + np.where((n <= disturbed) & (n > 0), 0.5 ** np.maximum(n, 1.0), 0.0)
+
+    result = synthetic(case, force_z=force)
+    beats = metrics.settled_beats(result)
+    assert 0 <= 14 - len(beats) - disturbed <= 2
+    summary = metrics.summarise(result)
+    assert summary.settled
+    assert summary.beats == len(beats)
+
+
+def test_two_beats_are_too_few_to_call_settled():
+    assert metrics.summarise(synthetic(hawkmoth("time.periods=2"), force_y=np.ones_like)).settled is False
+    assert metrics.summarise(synthetic(hawkmoth("time.periods=6"), force_y=np.ones_like)).settled is True
+
+
+@pytest.mark.parametrize(
+    ("forces", "words"),
+    [
+        (lambda t: 10.0 + 0.1 * beat(t), "not yet periodic"),
+        (lambda t: 10.0 + np.where(beat(t) % 2 == 0, 0.5, -0.5), "do not repeat"),
+        (lambda t: 10.0 + np.sin(50 * np.pi * t), ""),
+    ],
+)
+def test_a_run_that_has_not_settled_is_warned_about(forces, words):
+    summary = metrics.summarise(synthetic(hawkmoth("time.periods=12"), force_z=forces))
+    lines = [line for line in report._statistics(hawkmoth(), summary) if line.startswith("warning")]
+    assert len(lines) == bool(words)
+    assert all(words in line for line in lines)
+
+
+def test_a_motion_that_does_not_repeat_is_summarised_over_the_whole_run():
+    document = hawkmoth().to_dict()
+    pitch = {"kind": "ramp", "start": 0.2, "ramp": 0.1, "smoothing": 50.0, "amplitude_deg": 45.0}
+    document |= {"motion": {"pitch": pitch}, "time": {"duration": 1.0, "step": 0.01}}
+    case = parse_case(document)
+    summary = metrics.summarise(
+        synthetic(case, force_vertical=lambda t: t, tip_deflection=lambda t: t * (1.5 - t), force_y=lambda t: t)
+    )
+    assert (summary.beats, summary.settled, summary.force_normal_phase) == (1, None, None)
+    assert summary.force_vertical.mean == pytest.approx(0.505)
+    assert summary.tip_peak_time * case.beat == pytest.approx(0.75)
+    lines = "\n".join(report._statistics(case, summary))
+    assert "over the whole run" in lines
+    assert "t = 0.75 s" in lines
+    assert "warning" not in lines
 
 
 @pytest.mark.parametrize("every", [1, 3, 7])
@@ -65,6 +128,29 @@ def test_peak_and_its_time_after_reversal():
 @pytest.mark.parametrize(("beats", "after"), [(0.0, 0.0), (0.115, 0.115), (0.5, 0.0), (7.63, 0.13)])
 def test_reversal_of_the_papers_stroke_is_at_0_and_a_half(beats, after):
     assert metrics.after_reversal(hawkmoth(), beats) == pytest.approx(after)
+
+
+@pytest.mark.parametrize("phase", [0.0, 37.0, 90.0, -200.0])
+@pytest.mark.parametrize(
+    "plunge",
+    [
+        "{amplitude=0.02, phase_deg=%g}",
+        "{kind='triangle', sharpness=0.9, amplitude=0.02, phase_deg=%g, mean=0.3}",
+        "{kind='trapezoid', sharpness=3.0, amplitude=0.02, phase_deg=%g}",
+    ],
+)
+def test_reversals_are_the_zeros_of_the_plunge_velocity(plunge, phase):
+    case = hawkmoth(f"motion.plunge={plunge % phase}")
+    expected = (0.25 - phase / 360.0) % 0.5 + 0.5 * np.arange(7)
+    found = metrics.reversals(case, 0.0, 3.2)
+    np.testing.assert_allclose(found, expected[: len(found)], atol=1e-12)
+    assert 6 <= len(found) <= 7
+
+
+def test_a_start_up_moves_the_first_reversals_and_no_later_ones():
+    plain, grown = (metrics.reversals(hawkmoth(*s), 0.0, 5.0) for s in ((), ("motion.start_up_periods=2.0",)))
+    np.testing.assert_allclose(grown[-6:], plain[-6:], atol=1e-12)
+    assert np.abs(grown[:2] - plain[1:3]).max() > 0.01
 
 
 def test_no_summary_before_the_first_beat_is_whole():

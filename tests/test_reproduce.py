@@ -115,7 +115,7 @@ def test_the_blades_of_post_processing_are_the_solvers():
     settings = replace(QUICK, periods=2)
     for more in ((), (RIGID,)):
         with taichiflap.simulate(paper.case(settings, "dbet", *more)) as result:
-            frames = np.concatenate(list(settled_beats(result.case, result.time)))
+            frames = np.concatenate(settled_beats(result))
             ours = literal.blades(result)
             theirs = (result.force_normal - result.force_normal_unsteady)[frames]
             axial = result.force_axial[frames]

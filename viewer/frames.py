@@ -5,7 +5,7 @@ Nothing else of the viewer touches the file. Frames are kept in a small cache th
 
 import threading
 from collections import OrderedDict
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taichiflap import Result, motion
-from taichiflap.metrics import Summary, summarise
+from taichiflap.metrics import Summary, reversals, summarise
 from taichiflap.results import ResultError
+from taichiflap.scene import when
 
 Array = NDArray[np.floating]
 
@@ -22,6 +23,7 @@ UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
 """What HDF5 says of a file that changes under its reader, or that is closed until the next look."""
 
 CACHE_BYTES = 2**25
+PATH_SAMPLES = 401
 SAMPLES = 12
 """Frames looked at to choose the ranges of colours and the first view."""
 ARROW_ROOM = 0.9
@@ -38,7 +40,7 @@ class Frame:
 
     Attributes:
         index: number of the frame.
-        beats: time, in flapping periods.
+        beats: time, in flapping periods; in durations of the run where nothing repeats.
         nodes: the deformed wing, leading to trailing edge, shape (node, 2).
         chord: both ends of the undeformed chord, shape (2, 2).
         axes: unit vectors of the wing frame: chordwise and normal, shape (2, 2).
@@ -89,6 +91,7 @@ class Run:
         label: what to call it beside another.
 
     Attributes:
+        path: how far the pivot goes to either side, chords.
         ranges, box: what colours and arrows are scaled by, and the box (left, bottom, right, top; chords) of the
             first view. A growing run looks at itself again each time that it has doubled, and when it is complete.
         surveys: how often it has done so.
@@ -100,7 +103,11 @@ class Run:
         self.case = result.case
         self.chord = self.case.wing.chord
         self.title = self.case.title or label
-        self.frames_per_beat = self.case.time.steps_per_period / self.case.output.every
+        self.frames_per_beat = self.case.steps_per_beat / self.case.output.every
+        moments = self.case.motion.growth + self.case.beat * np.linspace(0.0, 1.0, PATH_SAMPLES)
+        plunge = motion.sample(self.case.motion, moments)[:, motion.PLUNGE] / self.chord
+        self.path = float(plunge.min()), float(plunge.max())
+        self._turns = len(reversals(self.case, 0.0, 1.0 + self.case.motion.growth / self.case.beat)) > 0
         self._lock = threading.RLock()
         self._cache: OrderedDict[int, Frame] = OrderedDict()
         self._held = 0
@@ -161,23 +168,26 @@ class Run:
         """The frame nearest to a time in beats."""
         return min(max(round(beats * self.frames_per_beat), 0), self.frames - 1)
 
-    def reversals(self) -> Iterator[int]:
+    def reversals(self) -> list[int]:
         """Frames of the stroke reversals, in order; none if the wing does not plunge."""
-        plunge = self.case.motion.plunge
-        if not plunge.amplitude:
-            return
-        beats = (0.25 - plunge.phase_deg / 360.0) % 0.5
-        while (index := round(beats * self.frames_per_beat)) < self.frames:
-            yield index
-            beats += 0.5
+        found = reversals(self.case, 0.0, (self.frames - 1) / self.frames_per_beat)
+        return [self.index_at(float(beats)) for beats in found]
 
     def half_stroke(self, index: int) -> str:
-        """Which way the wing moves at a frame; nothing if it does not plunge."""
-        plunge = self.case.motion.plunge
-        if not plunge.amplitude:
+        """Which way the wing moves at a frame; nothing where it does not plunge back and forth."""
+        if not self._turns:
             return ""
-        angle = (index / self.frames_per_beat + plunge.phase_deg / 360.0) % 1.0
-        return "half-stroke to the right" if angle < 0.25 or angle >= 0.75 else "half-stroke to the left"
+        # A reversal belongs to the half-stroke that it begins.
+        moment = (index / self.frames_per_beat + 1e-6) * self.case.beat
+        rate = motion.sample(self.case.motion, np.array([moment]))[0, motion.PLUNGE_RATE]
+        return "half-stroke to the right" if rate > 0.0 else "half-stroke to the left"
+
+    def when(self, index: int) -> str:
+        """The time of a frame in words."""
+        if not self.case.periodic:
+            return when(self.case, index / self.frames_per_beat)
+        number, part = self.beat_of(index)
+        return f"beat {number}   t/T = {part:.3f}"
 
     def frame(self, index: int) -> Frame:
         """A frame, from the cache if it was shown lately.

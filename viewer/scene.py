@@ -216,12 +216,12 @@ class Stage:
     """What does not move: the stroke plane, the pivot's path, the scale bar; and the line that tells the time."""
 
     def __init__(self, scene: Any, run: Run, theme: Theme) -> None:
-        reach = run.case.motion.plunge.amplitude / run.chord
-        wide = max(reach, 0.5) + 0.35
-        dashes = np.arange(-wide, wide, 0.1)
+        left, right = run.path
+        wide = max(right, 0.5) + 0.35
+        dashes = np.arange(min(left, -0.5) - 0.35, wide, 0.1)
         plane = np.stack((dashes, np.zeros_like(dashes)), axis=1)
         screen = {"thickness_units": "screen"}
-        ends = np.array([[-reach, 0.0], [reach, 0.0]])
+        ends = np.array([[left, 0.0], [right, 0.0]])
         ticks = np.concatenate([polyline(end + np.array([[0.0, -0.06], [0.0, 0.06]]), PLANE) for end in ends])
         self.stroke = [
             scene.add_line_segments(

@@ -195,8 +195,7 @@ class Session:
         self.panel.legend.content = legend(self.runs, self.theme, shown)
 
     def _tell_time(self, index: int) -> str:
-        number, part = self.run.beat_of(index)
-        text = f"beat {number}   t/T = {part:.3f}"
+        text = self.run.when(index)
         half = self.run.half_stroke(index)
         return f"{text}   {half}" if half else text
 

@@ -72,6 +72,6 @@ def seek(run: Run, playback: Playback, frame: int) -> None:
 
 def next_reversal(run: Run, playback: Playback, forward: bool) -> int | None:
     """The frame of the next or last stroke reversal, if there is one."""
-    reversals = list(run.reversals())
+    reversals = run.reversals()
     place = bisect_right(reversals, playback.frame) if forward else bisect_left(reversals, playback.frame) - 1
     return reversals[place] if 0 <= place < len(reversals) else None

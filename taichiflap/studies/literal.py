@@ -45,7 +45,7 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
         cosines: the axial force with the two cosines that Eq. 23 prints.
         outside: the coefficients of Eqs 21-22, and the angle of Eqs 23-24, at the middle of the chord for all elements.
     """
-    case, frames = result.case, np.concatenate(list(settled_beats(result.case, result.time)))
+    case, frames = result.case, np.concatenate(settled_beats(result))
     across, along = _velocities(case, result, frames)
     angle = np.arctan(across / along) if arctangent else np.arctan2(across, along)
     if outside:

@@ -89,10 +89,10 @@ def measure(result: Result) -> Measured:
     case, summary = result.case, summarise(result)
     if result.status != "complete" or summary is None:
         raise StudyError(f"{case.title}: {result.attributes.get('reason', 'no whole beat to measure')}")
-    beats = list(settled_beats(case, result.time))
+    beats = settled_beats(result)
     frames, last = np.concatenate(beats), beats[-1]
     series = {name: getattr(result, name) for name in SERIES}
-    turns = result.time * case.motion.frequency
+    turns = result.time / case.beat
     return Measured(
         case=case,
         summary=summary,

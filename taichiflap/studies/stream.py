@@ -8,6 +8,7 @@ import numpy as np
 from .. import theory
 from ..body import AXIAL, NORMAL
 from ..case import Case
+from ..motion import PITCH, sample
 from .checks import Array, Chart, Check, Curve, History, Row, plate, run
 
 PANELS = 50
@@ -101,7 +102,7 @@ def oscillating(name: str, k: float, panels: int = PANELS, steps: int = STEPS, b
 
 def lift_amplitude(case: Case, history: History) -> complex:
     """Complex lift coefficient over the last two beats, beside a mean and a drift that the start leaves behind."""
-    steps = case.time.steps_per_period
+    steps = round(case.steps_per_beat)
     last = history.step > case.steps - 2 * steps
     angle = 2.0 * math.pi * history.step[last] / steps
     base = np.stack((np.cos(angle), np.sin(angle), np.ones_like(angle), angle), axis=1)
@@ -111,9 +112,9 @@ def lift_amplitude(case: Case, history: History) -> complex:
 
 def mean_thrust(case: Case, history: History) -> float:
     """Mean of the thrust coefficient over the last beat; the stream is along Y."""
-    steps = case.time.steps_per_period
+    steps = round(case.steps_per_beat)
     last = slice(-steps, None)
-    pitch = math.radians(case.motion.pitch.amplitude_deg) * np.cos(2.0 * math.pi * history.step[last] / steps)
+    pitch = sample(case.motion, case.step * history.step[last])[:, PITCH]
     along = history.force[last, AXIAL] * np.cos(pitch) - history.force[last, NORMAL] * np.sin(pitch)
     return -2.0 * float(np.mean(along))
 
