@@ -143,7 +143,7 @@ def test_quarter_panels_of_post_processing_undo_what_the_solver_counts():
     with taichiflap.simulate(case) as result:
         printed, meant = literal.whole_panels(result)
         own = np.array([result.frame("panel_circulation", n) for n in range(result.frames)], dtype=float)
-        frames, size = np.concatenate(list(settled_beats(case, result.time))), case.wing.chord / 10
+        frames, size = np.concatenate(settled_beats(result)), case.wing.chord / 10
         time = result.time
 
         def unsteady(share):

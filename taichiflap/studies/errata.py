@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import beam
-from ..metrics import settled_beats
+from ..metrics import whole_beats
 from ..run import simulate
 from . import literal, paper, rigid_lattice
 from .measured import Measured
@@ -144,7 +144,7 @@ def _wake_errata(settings: Settings, runs: Runs) -> list[Erratum]:
     right = runs[key("uvlm", RIGID)].summary
 
     def effect(flight: rigid_lattice.Flight) -> str:
-        beats = list(settled_beats(case, flight.time))
+        beats = whole_beats(case, flight.time)[-right.beats :]
         mean = 1e3 * np.mean(flight.vertical[np.concatenate(beats)])
         peak = 1e3 * np.mean([np.abs(flight.normal[beat]).max() for beat in beats])
         return (

@@ -81,7 +81,7 @@ def whole_panels(result: Result) -> tuple[complex, complex]:
     The potential jumps by a panel's circulation at its vortex, at a quarter, so that three quarters of the panel
     carry it; the running sum gives it to the whole panel.
     """
-    case, frames = result.case, np.concatenate(list(settled_beats(result.case, result.time)))
+    case, frames = result.case, np.concatenate(settled_beats(result))
     size, dt = case.wing.chord / case.uvlm.panels, case.step
     own = np.sum([result.frame("panel_circulation", int(n)) for n in range(result.frames)], axis=1, dtype=float)
     growth = np.zeros_like(own)
@@ -97,7 +97,7 @@ def pitch_energy(case: Case) -> tuple[float, float, float]:
     A rigid wing: T3, T4 and T6 of the paper's Appendix A.
     """
     section = beam.modes(case.wing)
-    moved = motion.sample(case.motion, np.linspace(0.0, 1.0 / case.motion.frequency, 1001))
+    moved = motion.sample(case.motion, np.linspace(0.0, case.beat, 1001))
     speed, rate = moved[:, PLUNGE_RATE], moved[:, PITCH_RATE]
     printed = speed * np.cos(moved[:, PITCH]) * section.mass * case.wing.chord / 2.0
     rest = 0.5 * section.mass * (speed**2 + rate**2 * case.wing.chord**2 / 3.0)

@@ -82,7 +82,7 @@ def _third(runs: Runs) -> Verdict:
     blades, lattice = runs[key("dbet")], runs[key("uvlm")].third_share(TIP)
     share = blades.third_share(TIP)
     case = blades.case
-    dry, order = beam.modes(case.wing).frequency[0], 3.0 * case.motion.frequency
+    dry, order = beam.modes(case.wing).frequency[0], 3.0 / case.beat
     mass_ratio = math.pi * case.fluid.density * case.wing.chord / (4.0 * case.wing.density * case.wing.thickness)
     wet = dry / math.sqrt(1.0 + mass_ratio)
     tried = []

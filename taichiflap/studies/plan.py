@@ -79,7 +79,7 @@ def case(settings: Settings, wanted: Key) -> Case:
     if planned.solver == "dbet" or set(wanted[1:]) <= {RIGID}:
         return planned
     vortices = planned.steps if planned.uvlm.wake == "all" else planned.uvlm.wake
-    long = vortices > LONG * planned.time.steps_per_period // settings.steps_per_period
+    long = vortices > LONG * planned.steps_per_beat // settings.steps_per_period
     return planned.override(f"output.every={4 if long else 2}")
 
 
