@@ -124,7 +124,7 @@ def test_a_rigid_wing_that_only_pitches_is_drawn(tmp_path):
 
 def test_reversals_are_where_the_plunge_turns(lattice):
     turns = metrics.reversals(lattice.case, 0.0, 1.0)
-    np.testing.assert_allclose(turns, [0.0, 0.5, 1.0])
+    np.testing.assert_allclose(turns, [0.0, 0.5, 1.0], atol=1e-12)
     for turn in turns:
         assert metrics.after_reversal(lattice.case, turn) == pytest.approx(0.0, abs=1e-9)
 
