@@ -181,7 +181,7 @@ def _shown(value: Any) -> str:
 
 def key_units(name: str, root: type[BaseModel]) -> tuple[str, str]:
     """Unit and meaning of a dotted key of the model `root`, empty where it has none."""
-    owner, key = _owner([*name.split(".")], root)
+    owner, key = _owner([*name.split(".")], {}, root)
     if owner is None:
         return "", ""
     field = owner.model_fields[key]

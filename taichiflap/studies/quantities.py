@@ -124,7 +124,7 @@ def _flattened(summary: Summary) -> dict[str, float]:
 
 def _further(run: Any, names: Sequence[str]) -> dict[str, float]:
     wanted = {name for name in (*ALSO_MEANS, *WITH_HARMONICS) if any(one.startswith(name) for one in names)}
-    beats = list(settled_beats(run.case, run.time))
+    beats = settled_beats(run)
     frames = np.concatenate(beats)
     values: dict[str, float] = {}
     for name in ALSO_MEANS:
