@@ -119,7 +119,8 @@ def large(path: Path) -> float:
             lam=result.modes["lambda"], psi=result.modes["psi"], shape=lambda _: result.modes["shape"],
         )  # fmt: skip
         writer = Writer(case, path, [])
-        writer.lay_out(result.file["node"][...], section)  # type: ignore[arg-type]
+        sample = {name: getattr(result, name)[:0] for name in result.variables} | {"wake_count": np.empty(0)}
+        writer.lay_out(result.file["node"][...], section, sample, 20_000 * result.frames)  # type: ignore[arg-type]
         for first in range(0, result.frames, 25):
             last = min(first + 25, result.frames)
             block = {name: getattr(result, name)[first:last] for name in result.variables}

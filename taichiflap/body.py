@@ -48,6 +48,9 @@ Body = ti.types.argpack(
     system=Floats3,
 )
 
+GIVEN = ("motion",)
+"""What the case alone determines, at every step: no part of a march's state."""
+
 
 def sample_motions(cases: Sequence[Case]) -> np.ndarray:
     """The motion of every case at all its steps, shape (cases, steps + 1, 6)."""

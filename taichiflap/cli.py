@@ -24,13 +24,13 @@ app = typer.Typer(
 
 
 def main() -> None:
-    """Run the command line; a problem of the user's is a sentence on stderr and exit code 2."""
+    """Run the command line; a problem of the user's is a sentence on stderr, and exit code 2 or 1."""
     try:
         app()
     except UserError as error:
         for line in str(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
-        sys.exit(2)
+        sys.exit(error.exit_code)
 
 
 def _version(wanted: bool) -> None:

@@ -2,4 +2,7 @@
 
 
 class UserError(ValueError):
-    """The base of the errors that the command line prints as they are, with exit code 2."""
+    """The base of the errors that the command line prints as they are."""
+
+    exit_code = 2
+    """2 for what was asked wrongly; 1 for a run that failed."""

@@ -13,14 +13,15 @@ A fluid model is a module that has
 
 - `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames;
 - `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`;
-- `nodes(case)`; `work(case, step)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
+- `nodes(case)`; `vortices(case)`, how many its frames hold in all;
+- `work(case, step)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
 - `prepare(batch, b, n, rule)`: fills `body.load` and `body.response`, which come zeroed;
 - `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
 - `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding.
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -205,6 +206,32 @@ class March:
         self._kernel(self._batch, first, last, len(self.cases), self._lanes)
         self.next_step = last
         return self._collect(first, last)
+
+    def state(self, b: int) -> dict[str, np.ndarray]:
+        """Everything that a case's coming steps depend on: `restore` takes it up. Good until the next `advance`."""
+        groups = {"body": self.body, **self.groups}
+        return {
+            f"{group}.{name}": view(values)[b]
+            for group, arrays in groups.items()
+            for name, values in arrays.items
+            if name not in bodies.GIVEN
+        }
+
+    def restore(self, states: Sequence[Mapping[str, np.ndarray]], next_step: int) -> None:
+        """Go on from the states, one a case, that a march had before `next_step`, in this or in another batch.
+
+        Raises:
+            ValueError: when a state is not one of such a case.
+        """
+        for b, state in enumerate(states):
+            ours = self.state(b)
+            if ours.keys() != state.keys() or any(ours[name].ndim != state[name].ndim for name in ours):
+                raise ValueError("not a state of this model")
+            for name, values in ours.items():
+                # Batches differ in how much they pad.
+                shared = tuple(map(slice, np.minimum(values.shape, state[name].shape)))
+                values[shared] = state[name][shared]
+        self.next_step = next_step
 
     def failures(self) -> np.ndarray:
         """The step at which each case's values ceased to be finite, or -1."""

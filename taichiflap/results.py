@@ -1,5 +1,6 @@
 """The result file, read: HDF5 that opens in xarray, netCDF4 and MATLAB with no code of ours."""
 
+import bisect
 import tomllib
 from pathlib import Path
 from types import TracebackType
@@ -66,12 +67,13 @@ class Result:
     @property
     def attributes(self) -> dict[str, Any]:
         """The file's own attributes: title, source, status, solve time ..."""
-        return dict(self.file.attrs)
+        plain = {name: _plain(value) for name, value in self.file.attrs.items()}
+        return {name: value for name, value in plain.items() if value is not None}
 
     @property
     def status(self) -> str:
         """`running`, `complete` or `failed`."""
-        return str(self.file.attrs["status"])
+        return str(_plain(self.file.attrs["status"]))
 
     @property
     def case(self) -> Case:
@@ -139,16 +141,16 @@ class Result:
         except ImportError:
             raise ResultError('to_xarray needs xarray: pip install "taichiflap[xarray]"') from None
         arrays = {
-            name: (VARIABLES[name].dimensions, self.file[name][...], VARIABLES[name].attributes)
+            name: (VARIABLES[name].dimensions, getattr(self, name), VARIABLES[name].attributes)
             for name in self.variables
             if name != "time"
         }
         axes = {
             name: (name, self.file[name].asstr()[...] if name == "component" else self.file[name][...])
-            for name in ("time", "mode", "node", "panel", "component")
+            for name in ("mode", "node", "panel", "component")
             if name in self.file
         }
-        return xarray.Dataset(arrays, axes, self.attributes)
+        return xarray.Dataset(arrays, {"time": self.time, **axes}, self.attributes)
 
 
 def open_result(path: str | Path) -> Result:
@@ -182,13 +184,17 @@ def part(path: Path) -> Path:
 
 
 def _whole_frames(file: Any) -> int:
-    """Frames of which every variable is stored: a file may be opened in the middle of a write."""
-    frames = min([len(file["time"]), *(len(file[name]) for name in VARIABLES if name in file)])
-    if "wake" in file and file.attrs["status"] == "running":
-        frames = min(frames, len(file["wake/count"]))
-        ends = np.cumsum(file["wake/count"][:frames], dtype=np.int64)
-        frames = int(np.searchsorted(ends, len(file["wake/circulation"]), side="right"))
-    return frames
+    """Frames that are stored: those to come have no time yet."""
+    time = file["time"]
+    shortest = min([len(time), *(len(file[name]) for name in VARIABLES if name in file)])
+    return bisect.bisect_left(range(shortest), True, key=lambda index: bool(np.isnan(time[index])))
+
+
+def _plain(value: Any) -> Any:
+    """An attribute's text or number; None for what a run is yet to fill in."""
+    if isinstance(value, bytes):
+        return value.decode(errors="replace") or None
+    return None if isinstance(value, float) and np.isnan(value) else value
 
 
 def _check(file: Any, path: Path) -> None:

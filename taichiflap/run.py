@@ -1,17 +1,18 @@
 """Run cases: march them in blocks, derive what users ask for, write it, report progress."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
 
-from . import fluids, plausible, series
+from . import checkpoint, fluids, plausible, series
 from .case import Case
+from .checkpoint import Checkpoint
 from .march import March
 from .results import Result
-from .writer import Writer
+from .writer import Writer, finished
 
 Progress = Callable[[int, int], None]
 """Called with the steps done and all steps, after every block."""
@@ -31,6 +32,7 @@ def simulate(
     threads: int | None = None,
     progress: Progress | None = None,
     overwrite: bool = False,
+    resume: bool = False,
 ) -> Result: ...
 
 
@@ -42,6 +44,7 @@ def simulate(
     threads: int | None = None,
     progress: Progress | None = None,
     overwrite: bool = False,
+    resume: bool = False,
 ) -> list[Result]: ...
 
 
@@ -52,6 +55,7 @@ def simulate(
     threads: int | None = None,
     progress: Progress | None = None,
     overwrite: bool = False,
+    resume: bool = False,
 ) -> Result | list[Result]:
     """Compute one case, or a batch of cases side by side on all threads.
 
@@ -60,13 +64,15 @@ def simulate(
         output: the result file to write, or one for each case; in memory if None.
         threads: how many threads to use; all of them if None. It does not change any result.
         progress: called with the steps done and all steps.
-        overwrite: replace existing files.
+        overwrite: replace existing files, and what interrupted runs have left.
+        resume: go on where an interrupted run of the same case stopped, with the same bits; a file that is complete is
+            opened as it is, one that was never begun is computed from the start.
 
     Returns:
         The result, or one for each case, open for reading.
 
     Raises:
-        ResultError: when a file exists already or cannot be written.
+        ResultError: when a file exists already, is of another case, or cannot be written.
         ValueError: when the cases of a batch do not share their solver.
     """
     single = isinstance(case, Case)
@@ -74,8 +80,34 @@ def simulate(
     paths: list[Any] = [output] if single else list(output or [None] * len(cases))
     if len({one.solver for one in cases}) != 1 or len(paths) != len(cases):
         raise ValueError("give at least one case, all of one solver, and as many outputs as cases")
-    results = _run(cases, [None if path is None else Path(path) for path in paths], threads, progress, overwrite)
+    places = [None if path is None else Path(path) for path in paths]
+    run = _resume if resume else _run
+    results = run(cases, places, threads, progress, overwrite)
     return results[0] if single else results
+
+
+def _resume(
+    cases: list[Case], paths: list[Path | None], threads: int | None, progress: Progress | None, overwrite: bool
+) -> list[Result]:
+    """Open what is complete; march the others on, those together that stopped at the same step."""
+    results: dict[int, Result] = {}
+    stopped: dict[int, list[int]] = {}
+    states: dict[int, Checkpoint | None] = {}
+    for i, (case, path) in enumerate(zip(cases, paths, strict=True)):
+        done = None if path is None or overwrite else finished(path, case)
+        if done:
+            results[i] = done
+            continue
+        states[i] = None if path is None or overwrite else checkpoint.load(path, case)
+        step = states[i].next_step if states[i] else 0  # type: ignore[union-attr]
+        stopped.setdefault(step, []).append(i)
+    for members in stopped.values():
+        found = _run(
+            [cases[i] for i in members], [paths[i] for i in members], threads, progress, overwrite,
+            [states[i] for i in members],
+        )  # fmt: skip
+        results.update(zip(members, found, strict=True))
+    return [results[i] for i in range(len(cases))]
 
 
 def _run(
@@ -84,25 +116,29 @@ def _run(
     threads: int | None,
     progress: Progress | None,
     overwrite: bool,
+    resumed: Sequence[Checkpoint | None] | None = None,
 ) -> list[Result]:
     fluid = fluids.load(cases[0].solver)
     writers: list[Writer] = []
     try:
         for path, case in zip(paths, cases, strict=True):
-            writers.append(Writer(case, path, plausible.warnings(case), overwrite))
+            writers.append(Writer(case, path, plausible.warnings(case), overwrite, resumed is not None))
         march = March(cases, fluid, threads)
-        for writer, case, section in zip(writers, cases, march.sections, strict=True):
-            writer.lay_out(fluid.nodes(case), section)
-        march.advance(0)
-        solve_time = 0.0
+
+        def derive(blocks: list[dict[str, np.ndarray]]) -> Iterator[dict[str, Any]]:
+            for b, (case, frames) in enumerate(zip(cases, blocks, strict=True)):
+                yield series.derive(case, march.sections[b], fluid.nodes(case), march.motion[b], frames)
+
+        for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
+            writer.lay_out(fluid.nodes(writer.case), section, sample, fluid.vortices(writer.case))
+        solve_time = _take_up(march, writers, resumed)
         while not march.done:
-            steps = block_steps(cases, fluid, march.next_step)
             began = time.perf_counter()
-            blocks = march.advance(steps)
+            blocks = march.advance(block_steps(cases, fluid, march.next_step))
             solve_time += time.perf_counter() - began
-            for b, (writer, frames) in enumerate(zip(writers, blocks, strict=True)):
-                nodes = fluid.nodes(cases[b])
-                writer.append(series.derive(cases[b], march.sections[b], nodes, march.motion[b], frames))
+            for b, (writer, variables) in enumerate(zip(writers, derive(blocks), strict=True)):
+                writer.append(variables)
+                writer.keep(Checkpoint(march.next_step, solve_time, march.state(b)))
             if progress:
                 progress(min(march.next_step, march.steps), march.steps)
         return [_finish(writer, step, solve_time) for writer, step in zip(writers, march.failures(), strict=True)]
@@ -110,6 +146,17 @@ def _run(
         for writer in writers:
             writer.abandon()
         raise
+
+
+def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint | None] | None) -> float:
+    """Put a march where interrupted runs stopped; the seconds that they had taken."""
+    kept = [one for one in resumed or () if one]
+    if len(kept) < len(writers):
+        return 0.0
+    march.restore([one.state for one in kept], kept[0].next_step)
+    for writer in writers:
+        writer.rewind(-(-march.next_step // writer.case.output.every))
+    return kept[0].solve_time
 
 
 def block_steps(cases: Sequence[Case], fluid: Any, step: int) -> int:

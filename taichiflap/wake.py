@@ -136,8 +136,10 @@ def grow(wake: View, b, i, moved):
 
 def in_order(frames: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The wake's frames as contiguous ragged arrays: all vortices of frame 0, then of frame 1, ..."""
-    filled = np.arange(frames["wake_birth"].shape[1]) < frames["wake_count"][:, None]
+    births, vortices, counts = frames["wake_birth"], frames["wake"], frames["wake_count"]
     return {
-        "wake_birth": frames["wake_birth"][filled],
-        "wake": np.moveaxis(frames["wake"], 1, 2)[filled].T,
+        "wake_birth": np.concatenate([births[:0].ravel(), *(row[:n] for row, n in zip(births, counts, strict=True))]),
+        "wake": np.concatenate(
+            [vortices[:0, :, 0].T, *(rows[:, :n] for rows, n in zip(vortices, counts, strict=True))], axis=1
+        ),
     }

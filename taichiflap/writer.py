@@ -1,11 +1,15 @@
-"""The result file, written: `NAME.part` in blocks of frames, flushed after each, and renamed when complete.
+"""The result file, written so that no crash can damage it.
 
-So a crash at any moment leaves something readable.
+Every array has its full length and its place from the start: a run only fills numbers in, and nothing by which HDF5
+finds its way changes until the end. What is not computed yet reads as NaN, `time` is filled last, so the frames
+that have a time are whole. The file stands as `NAME.part` until it is complete.
 """
 
 import contextlib
-import itertools
+import io
 import os
+import shutil
+import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,44 +18,232 @@ from typing import Any
 import h5py
 import numpy as np
 
+from . import checkpoint
 from ._version import __version__
 from .beam import Modes
 from .case import Case
+from .checkpoint import Checkpoint
 from .results import FORMAT, Result, ResultError, first_line, open_result, part
 from .variables import AXES, MODE_VARIABLES, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
 
 NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
 """What netCDF-4 calls a dimension scale that holds no values."""
+REASON_BYTES = 512
+"""Room for the reason of a failure."""
 
-SERIES_CHUNK, FIELD_CHUNK, WAKE_CHUNK = 1024, 64, 8192
 
-_in_memory = itertools.count()
+class WriteError(ResultError):
+    """A run that cannot go on because its file cannot be written; what was written before is safe."""
+
+    exit_code = 1
 
 
 class Writer:
-    """Writes one result, block by block: construct, `lay_out`, `append` as often as it takes, `finish`.
+    """Writes one result: construct, `lay_out`, `append` block by block, `finish`.
 
     Args:
         case: what is being computed.
         path: the file to write, or None to keep the result in memory.
         warnings: what makes the case implausible.
-        overwrite: replace an existing file.
+        overwrite: replace an existing file, and what an interrupted run has left.
+        resume: go on with the file that an interrupted run has left, if there is one.
 
     Raises:
-        ResultError: when the file exists already, or cannot be created.
+        ResultError: when the file exists already, is being written by another run, is of another case, or cannot be
+            created.
     """
 
-    def __init__(self, case: Case, path: Path | None, warnings: list[str], overwrite: bool = False) -> None:
+    def __init__(
+        self, case: Case, path: Path | None, warnings: list[str], overwrite: bool = False, resume: bool = False
+    ) -> None:
+        self.case = case
         self.path = path
-        self._file = _create(path, overwrite)
-        self._frames = 0
+        self.frames = 0
+        self._overwrite = overwrite
+        self._kept = time.monotonic()
+        self._warnings = warnings
         self._vortices = 0
-        self._describe(case, warnings)
+        self._file: Any = None
+        self._raw: Any = None
+        self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
+        self._draft: Path | None = None
+        if path is not None:
+            _check_place(path, overwrite)
+            self._file = _reopen(path, case, overwrite, resume)
+        if self._file is not None:
+            self._find_places()
 
-    def lay_out(self, nodes: np.ndarray, section: Modes) -> None:
-        """Write the axes and the wing's modes; `nodes` are chordwise positions, m."""
-        axis = self._file.create_dataset("time", (0,), "f8", maxshape=(None,), chunks=(SERIES_CHUNK,))
-        _make_axis(axis, "time", AXES["time"])
+    def lay_out(self, nodes: np.ndarray, section: Modes, sample: Mapping[str, np.ndarray], vortices: int = 0) -> None:
+        """Give everything its place; a file that is resumed has it already.
+
+        Args:
+            nodes: chordwise positions of the nodes, m.
+            section: the wing's modes.
+            sample: what `append` will get, of any number of frames, none included.
+            vortices: sum over all frames of the number of wake vortices.
+
+        Raises:
+            ResultError: when there is no room, or another run has begun the same file.
+        """
+        if self._file is not None:
+            return
+        frames = self.case.steps // self.case.output.every + 1
+        try:
+            self._file = self._create()
+            self._describe()
+            self._lay_out_axes(frames, nodes, section)
+            for name, variable in VARIABLES.items():
+                if name in sample and np.prod(sample[name].shape[1:]):
+                    self._lay_out_variable(name, variable, (frames, *sample[name].shape[1:]))
+            if "wake_count" in sample:
+                self._lay_out_wake(frames, vortices)
+            self._file.flush()
+            self._publish()
+            self._find_places()
+        except OSError as error:
+            raise ResultError(f"{self.path}: cannot be created: {first_line(error)}") from None
+
+    def rewind(self, frames: int) -> None:
+        """Go on after so many frames; those behind are written anew."""
+        self.frames = frames
+        self._vortices = int(np.sum(self._file["wake/count"][:frames], dtype=np.int64)) if "wake" in self._file else 0
+
+    def append(self, variables: Mapping[str, np.ndarray]) -> None:
+        """Add a block of frames and hand it to the system.
+
+        Raises:
+            WriteError: when the disk refuses; the frames before are safe.
+        """
+        blocks = {name: (self.frames, variables[name]) for name in VARIABLES if name in variables}
+        vortices = 0
+        if "wake_count" in variables:
+            vortices = len(variables["wake_birth"])
+            wake = (*variables["wake"], variables["wake_birth"])
+            blocks |= {f"wake/{name}": (self._vortices, row) for name, row in zip(WAKE_VARIABLES, wake, strict=True)}
+            blocks["wake/count"] = (self.frames, variables["wake_count"])
+        # Its time says that a frame is whole, so nothing of the frame may come later.
+        blocks["time"] = (self.frames, variables["time"])
+        try:
+            for name, (first, values) in blocks.items():
+                if name in self._places:
+                    self._put(name, first, values)
+        except OSError as error:
+            raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        self.frames += len(variables["time"])
+        self._vortices += vortices
+
+    def _put(self, name: str, first: int, values: np.ndarray) -> None:
+        """Write rows straight to their place in the file: HDF5 takes ten times as long to find it."""
+        offset, kind = self._places[name]
+        row = np.ascontiguousarray(values, dtype=kind)
+        self._raw.seek(offset + first * (row.nbytes // max(1, len(row))))
+        left = row.reshape(-1).view(np.uint8)
+        while len(left):
+            left = left[self._raw.write(left.data) :]
+
+    def keep(self, state: Checkpoint) -> None:
+        """Store what a resumed run needs to go on from here, unless it was done a moment ago.
+
+        Raises:
+            WriteError: when the disk refuses.
+        """
+        if self.path is None or time.monotonic() - self._kept < checkpoint.SECONDS:
+            return
+        try:
+            checkpoint.save(self.path, self.case, state)
+        except OSError as error:
+            raise WriteError(f"{self.path}: its checkpoint cannot be written: {first_line(error)}") from None
+        self._kept = time.monotonic()
+
+    def finish(self, status: str = "complete", solve_time: float = np.nan, reason: str = "") -> Result:
+        """Close the file under its final name and open it for reading.
+
+        Args:
+            status: `complete` or `failed`.
+            solve_time: seconds spent on the physics.
+            reason: why the run failed.
+
+        Raises:
+            WriteError: when the file cannot get its name; it stays under its `.part` name.
+        """
+        try:
+            for name, value in {"status": status, "reason": reason}.items():
+                self._file.attrs.modify(name, np.bytes_(value.encode()[:REASON_BYTES]))
+            self._file.attrs.modify("solve_time", solve_time)
+            if self.path is None:
+                return Result(self._file)
+            self._file.close()
+            self._raw.close()
+            _move(part(self.path), self.path, self._overwrite)
+            checkpoint.discard(self.path)
+        except OSError as error:
+            raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        return open_result(self.path)
+
+    def abandon(self) -> None:
+        """Close the file where it stands, under its `.part` name if it has one."""
+        with contextlib.suppress(OSError, RuntimeError):
+            for one in (self._file, self._raw):
+                if one is not None:
+                    one.close()
+        self._discard_draft()
+
+    def _create(self) -> Any:
+        if self.path is None:
+            self._raw = io.BytesIO()
+            return h5py.File(self._raw, "w")
+        self._draft = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        return h5py.File(self._draft, "w")
+
+    def _find_places(self) -> None:
+        """Where in the file the variables over time begin."""
+        if self.path is not None:
+            self._raw = open(part(self.path), "r+b", buffering=0)  # noqa: SIM115 - closed by `finish` or `abandon`
+        names = [name for name in ("time", *VARIABLES) if name in self._file]
+        names += [f"wake/{name}" for name in (*WAKE_VARIABLES, "count") if f"wake/{name}" in self._file]
+        for name in names:
+            dataset = self._file[name]
+            self._places[name] = (dataset.id.get_offset(), dataset.dtype)
+
+    def _publish(self) -> None:
+        """The laid out file becomes `NAME.part`, once it is good to read at any moment, and fits on the disk."""
+        if self.path is None or self._draft is None:
+            return
+        size, free = self._file.id.get_filesize(), shutil.disk_usage(self.path.parent).free
+        if size > free:
+            room = f"needs {_size(size)}, the disk has {_size(free)} free; a larger output.every makes it smaller"
+            raise ResultError(f"{self.path}: {room}")
+        checkpoint.discard(self.path)
+        try:
+            _move(self._draft, part(self.path), self._overwrite)
+        except FileExistsError:
+            raise ResultError(f"{self.path}: another run has begun this file") from None
+        self._draft = None
+
+    def _discard_draft(self) -> None:
+        if self._draft is not None:
+            self._draft.unlink(missing_ok=True)
+
+    def _describe(self) -> None:
+        now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+        self._file.attrs.update(
+            {
+                "Conventions": "CF-1.11",
+                "title": self.case.title,
+                "source": f"taichiflap {__version__}",
+                "history": f"{now} computed with taichiflap {__version__}",
+                "taichiflap_format": FORMAT,
+                "case": self.case.to_toml(),
+                "warnings": "\n".join(self._warnings),
+                "solve_time": np.nan,
+            }
+        )
+        # Of fixed size, so that they too change where they stand.
+        self._file.attrs.create("status", b"running", dtype=h5py.string_dtype("utf-8", len("complete")))
+        self._file.attrs.create("reason", b"", dtype=h5py.string_dtype("utf-8", REASON_BYTES))
+
+    def _lay_out_axes(self, frames: int, nodes: np.ndarray, section: Modes) -> None:
+        _make_axis(_place(self._file, "time", (frames,), "f8", fillvalue=np.nan), "time", AXES["time"])
         axes = {
             "mode": np.arange(1, section.count + 1),
             "node": nodes,
@@ -61,10 +253,8 @@ class Writer:
         for name, values in axes.items():
             if len(values):
                 _make_axis(self._file.create_dataset(name, data=values), name, AXES[name])
-        if section.count:
-            self._lay_out_modes(nodes, section)
-
-    def _lay_out_modes(self, nodes: np.ndarray, section: Modes) -> None:
+        if not section.count:
+            return
         group = self._file.create_group("modes")
         for name, values in {
             "frequency": section.frequency,
@@ -75,100 +265,22 @@ class Writer:
         }.items():
             self._attach(group.create_dataset(name, data=values), MODE_VARIABLES[name])
 
-    def append(self, variables: Mapping[str, np.ndarray]) -> None:
-        """Add a block of frames and flush it to the disk.
-
-        Raises:
-            ResultError: when the disk refuses; the frames before are safe.
-        """
-        count = len(variables["time"])
-        try:
-            self._extend(self._file["time"], self._frames, variables["time"])
-            for name, variable in VARIABLES.items():
-                if name in variables and variables[name].size:
-                    self._extend(self._dataset(name, variable, self._file), self._frames, variables[name])
-            if "wake_count" in variables:
-                self._append_wake(variables)
-            self._frames += count
-            self._file.flush()
-        except OSError as error:
-            raise ResultError(f"{self.path}: cannot be written: {error}") from None
-
-    def finish(self, status: str = "complete", **attributes: Any) -> Result:
-        """Close the file under its final name and open it for reading.
-
-        Args:
-            status: `complete` or `failed`.
-            attributes: what else is to be remembered, such as `solve_time` or the reason of a failure.
-        """
-        self._file.attrs.update({"status": status, **attributes})
-        if self.path is None:
-            return Result(self._file)
-        self._file.close()
-        os.replace(part(self.path), self.path)
-        return open_result(self.path)
-
-    def abandon(self) -> None:
-        """Close the file where it stands, under its `.part` name."""
-        with contextlib.suppress(OSError, RuntimeError):
-            self._file.close()
-
-    def _describe(self, case: Case, warnings: list[str]) -> None:
-        now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-        self._file.attrs.update(
-            {
-                "Conventions": "CF-1.11",
-                "title": case.title,
-                "source": f"taichiflap {__version__}",
-                "history": f"{now} computed with taichiflap {__version__}",
-                "taichiflap_format": FORMAT,
-                "case": case.to_toml(),
-                "warnings": "\n".join(warnings),
-                "status": "running",
-            }
-        )
-
-    def _dataset(self, name: str, variable: Variable, group: Any) -> Any:
-        if name in group:
-            return group[name]
-        lengths = [len(self._file[axis]) for axis in variable.dimensions[1:]]
-        if variable.single:
-            options = {"chunks": (FIELD_CHUNK, *lengths), "compression": 1, "shuffle": True}
-        else:
-            options = {"chunks": (SERIES_CHUNK, *lengths)}
+    def _lay_out_variable(self, name: str, variable: Variable, shape: tuple[int, ...]) -> None:
         kind = "f4" if variable.single else "f8"
-        dataset = group.create_dataset(name, (0, *lengths), kind, maxshape=(None, *lengths), **options)
-        self._attach(dataset, variable)
-        return dataset
+        self._attach(_place(self._file, name, shape, kind, fillvalue=np.nan), variable)
 
-    def _append_wake(self, variables: Mapping[str, np.ndarray]) -> None:
-        group = self._file.get("wake")
-        if group is None:
-            group = self._file.create_group("wake")
-            axis = group.create_dataset("vortex", (0,), "f4", maxshape=(None,), chunks=(WAKE_CHUNK,))
-            axis.make_scale(NO_COORDINATE)
-            for name, variable in WAKE_VARIABLES.items():
-                kind = "i4" if name == "birth" else "f4"
-                dataset = group.create_dataset(
-                    name, (0,), kind, maxshape=(None,), chunks=(WAKE_CHUNK,), compression=1, shuffle=True
-                )
-                self._attach(dataset, variable, group)
-            count = group.create_dataset("count", (0,), "i4", maxshape=(None,), chunks=(SERIES_CHUNK,))
-            self._attach(count, WAKE_COUNT)
-            count.attrs["sample_dimension"] = "vortex"
-        y, z, circulation = variables["wake"]
-        last = self._vortices + len(y)
-        parts = {"y": y, "z": z, "circulation": circulation, "birth": variables["wake_birth"]}
-        group["vortex"].resize(last, axis=0)
-        for name, values in parts.items():
-            self._extend(group[name], self._vortices, values)
-        self._extend(group["count"], self._frames, variables["wake_count"])
-        self._vortices = last
-
-    @staticmethod
-    def _extend(dataset: Any, first: int, values: np.ndarray) -> None:
-        dataset.resize(first + len(values), axis=0)
-        dataset[first:] = values
+    def _lay_out_wake(self, frames: int, vortices: int) -> None:
+        group = self._file.create_group("wake")
+        # In chunks that are never written: it takes no room.
+        axis = group.create_dataset("vortex", (vortices,), "f4", chunks=(8192,), maxshape=(None,))
+        axis.make_scale(NO_COORDINATE)
+        for name, variable in WAKE_VARIABLES.items():
+            kind = "i4" if name == "birth" else "f4"
+            # Whatever stands there: the frames to come count no vortices.
+            self._attach(_place(group, name, (vortices,), kind, fill_time="never"), variable, group)
+        count = _place(group, "count", (frames,), "i4", fillvalue=0)
+        self._attach(count, WAKE_COUNT)
+        count.attrs["sample_dimension"] = "vortex"
 
     def _attach(self, dataset: Any, variable: Variable, group: Any = None) -> None:
         dataset.attrs.update(variable.attributes)
@@ -177,18 +289,108 @@ class Writer:
             dataset.dims[position].attach_scale(scales[name])
 
 
-def _create(path: Path | None, overwrite: bool) -> Any:
-    if path is None:
-        name = f"result {next(_in_memory)} in memory"  # HDF5 takes two open files of one name for the same file
-        return h5py.File(name, "w", driver="core", backing_store=False)
+def finished(path: Path, case: Case) -> Result | None:
+    """The finished result of a case, or None.
+
+    Raises:
+        ResultError: when the file is of another case, or no result.
+    """
+    if not path.is_file():
+        return None
+    result = open_result(path)
+    try:
+        _check_same(result.file, path, case)
+    except ResultError:
+        result.close()
+        raise
+    return result
+
+
+def _check_place(path: Path, overwrite: bool) -> None:
     if path.is_dir():
         raise ResultError(f"{path}: is a directory; name a file, for example {path / 'result.h5'}")
     if path.exists() and not overwrite:
         raise ResultError(f"{path}: exists already; --overwrite replaces it, -o writes elsewhere")
     try:
-        return h5py.File(part(path), "w")
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
     except OSError as error:
         raise ResultError(f"{path}: cannot be created: {first_line(error)}") from None
+
+
+def _reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> Any:
+    """The file that an interrupted run has left, to go on with; None to begin anew.
+
+    While it is open, HDF5's lock keeps every other run away.
+    """
+    if not part(path).exists():
+        return None
+    try:
+        file = h5py.File(part(path), "r+")
+    except BlockingIOError:
+        raise ResultError(f"{path}: another run is writing it") from None
+    except OSError as error:
+        if overwrite:
+            return None
+        raise ResultError(f"{part(path)}: is in the way: {first_line(error)}; --overwrite replaces it") from None
+    try:
+        if overwrite:
+            return None
+        if not resume:
+            left = "an interrupted run has left its frames; --resume goes on with them, --overwrite begins anew"
+            raise ResultError(f"{path}: {left}")
+        _check_same(file, part(path), case)
+        kept, file = file, None
+        return kept
+    finally:
+        if file is not None:
+            file.close()
+
+
+def _check_same(file: Any, path: Path, case: Case) -> None:
+    for name, ours in {"case": case.to_toml(), "source": f"taichiflap {__version__}"}.items():
+        theirs = file.attrs.get(name)
+        if theirs != ours:
+            raise ResultError(f"{path}: cannot be resumed: {_difference(name, str(theirs), ours)}")
+
+
+def _difference(name: str, theirs: str, ours: str) -> str:
+    if name == "source":
+        return f"{theirs} began it, this is {ours}; --overwrite begins anew"
+    lines = [one for one in zip(theirs.splitlines(), ours.splitlines(), strict=False) if one[0] != one[1]]
+    said = f": {lines[0][0]} there, {lines[0][1]} here" if lines else ""
+    return f"it is of another case{said}; --overwrite begins anew"
+
+
+def _move(source: Path, target: Path, overwrite: bool) -> None:
+    """Rename a file; only if told so, in the place of another.
+
+    Raises:
+        FileExistsError: when the target exists and is not to be replaced.
+    """
+    if overwrite:
+        os.replace(source, target)
+        return
+    try:
+        # Unlike a renaming, a link never takes the place of what another run has put there in the meantime.
+        os.link(source, target)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without links
+        os.rename(source, target)
+    else:
+        os.unlink(source)
+
+
+def _place(group: Any, name: str, shape: tuple[int, ...], kind: str, **fill: Any) -> Any:
+    """A dataset in one piece whose room is reserved, and filled, at once."""
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    return group.create_dataset(name, shape, kind, dcpl=properties, **fill)
+
+
+def _size(number: float) -> str:
+    return f"{number / 1e9:.3g} GB" if number >= 1e9 else f"{number / 1e6:.3g} MB"
 
 
 def _make_axis(dataset: Any, name: str, variable: Variable) -> None:

@@ -54,6 +54,7 @@ def test_rigid_wings_and_blade_elements_open_too(tmp_path, settings):
 
 def test_every_variable_has_its_frames_and_its_meaning(uvlm_file):
     with taichiflap.open_result(uvlm_file) as result:
+        assert len(result.file["wake/y"]) == result.file["wake/count"][...].sum()
         assert set(result.variables) == {"time", *VARIABLES} - {"shear"}
         for name in result.variables:
             assert len(getattr(result, name)) == result.frames == 401

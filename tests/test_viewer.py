@@ -124,10 +124,8 @@ def test_differences_are_those_of_the_summaries(folder, run):
 
 
 def test_a_growing_file_is_followed_to_its_final_name(tmp_path, run):
-    case = run.case
-    writer = Writer(case, tmp_path / "run.h5", [])
     result = run.result
-    writer.lay_out(result.file["node"][...], _Section(result))
+    writer = _begun(run, tmp_path / "run.h5")
     blocks = [_block(result, *span) for span in ((0, 100), (100, 220), (220, 401))]
     writer.append(blocks[0])
     script = (
@@ -152,21 +150,19 @@ def test_a_growing_file_is_followed_to_its_final_name(tmp_path, run):
 def test_a_half_written_block_is_not_shown(tmp_path, run):
     """The frames that count are those of which every variable is there."""
     result = run.result
-    writer = Writer(run.case, tmp_path / "run.h5", [])
-    writer.lay_out(result.file["node"][...], _Section(result))
+    writer = _begun(run, tmp_path / "run.h5")
     writer.append(_block(result, 0, 100))
-    writer._file["time"].resize(120, axis=0)
-    writer._file.flush()
+    writer._put("tip_deflection", 100, result.tip_deflection[100:120])
+    writer._put("wake/count", 100, np.full(20, 7))
     writer.abandon()
     with open_result(tmp_path / "run.h5") as half:
         assert (half.frames, len(half.time), len(half.tip_deflection)) == (100, 100, 100)
+        np.testing.assert_array_equal(half.wake(99)["y"], result.wake(99)["y"])
 
 
 def test_an_empty_leftover_gets_one_sentence(tmp_path, run, monkeypatch):
     monkeypatch.setattr("taichiflap_viewer.app.BEGIN_SECONDS", -1.0)
-    writer = Writer(run.case, tmp_path / "run.h5", [])
-    writer.lay_out(run.result.file["node"][...], _Section(run.result))
-    writer.abandon()
+    _begun(run, tmp_path / "run.h5").abandon()
     assert part(tmp_path / "run.h5").exists()
     with pytest.raises(ResultError, match="holds no frame yet"):
         Viewer([tmp_path / "run.h5"])
@@ -228,6 +224,15 @@ class _Section:
 
     def shape(self, nodes):
         return self.modes["shape"]
+
+
+def _begun(run, path):
+    """A writer of a run like this one, laid out and without frames yet."""
+    result = run.result
+    writer = Writer(run.case, path, [])
+    vortices = sum(len(result.wake(index)["y"]) for index in range(result.frames))
+    writer.lay_out(result.file["node"][...], _Section(result), _block(result, 0, 1), vortices)
+    return writer
 
 
 def _block(result, first, last):

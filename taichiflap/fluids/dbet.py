@@ -107,6 +107,11 @@ def work(case: Case, step: int) -> float:
     return 50.0 * case.dbet.elements
 
 
+def vortices(case: Case) -> int:
+    """Wake vortices of all frames together: none."""
+    return 0
+
+
 def frame_bytes(case: Case) -> float:
     """Size of a frame's fields."""
     return 8.0 * case.dbet.elements

@@ -64,6 +64,11 @@ def work(case: Case, step: int) -> float:
     return (vortices + panels) ** 2 + panels**3 / 10.0
 
 
+def vortices(case: Case) -> int:
+    """Wake vortices of all frames together."""
+    return int(np.minimum(np.arange(1, case.steps + 2, case.output.every), wake.ring_size(case)).sum())
+
+
 def frame_bytes(case: Case) -> float:
     """Size of a frame's fields."""
     return 16.0 * wake.ring_size(case) + 8.0 * case.uvlm.panels
