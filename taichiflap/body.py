@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from . import beam, motion
+from . import beam, divergence, motion
 from .case import Case
 from .motion import PITCH, PITCH_ACCEL, PLUNGE_RATE
 from .runtime import Floats1, Floats2, Floats3, Ints1, Octet, View, ti, view
@@ -24,8 +24,8 @@ C0, C1, C2, BETA = range(4)
 AMPLITUDE, RATE, ACCEL = range(3)
 """Rows of a modal state, shape (case, row, mode)."""
 
-STIFFNESS, DAMPING, LAMBDA, PSI = range(4)
-"""Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k."""
+STIFFNESS, DAMPING, LAMBDA, PSI, LIMIT = range(5)
+"""Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k, and where a case stops."""
 
 COSINE, SINE = PITCH_ACCEL + 1, PITCH_ACCEL + 2
 """Columns that a march adds to the sampled motion: of the pitch angle."""
@@ -34,7 +34,7 @@ Body = ti.types.argpack(
     modes=Ints1,
     steps=Ints1,  # steps that the case asks for
     every=Ints1,  # steps between frames
-    failed=Ints1,  # step at which a value was not finite; -1 while all is well
+    failed=Ints1,  # step at which the case stopped, see taichiflap.divergence; -1 while all is well
     dt=Floats1,
     motion=Floats3,  # (case, step, 8), see taichiflap.motion; and cos theta, sin theta
     constant=Floats3,
@@ -64,10 +64,11 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.
     """Arrays of a batch, at rest."""
     count = len(cases)
     most = most_modes(sections)
-    constant = np.zeros((count, 4, most))
+    constant = np.zeros((count, 5, most))
     for b, section in enumerate(sections):
         damping = 2.0 * section.damping_ratio * section.omega
-        constant[b, :, : section.count] = section.omega**2, damping, section.lam, section.psi
+        stop = divergence.limits(section)
+        constant[b, :, : section.count] = section.omega**2, damping, section.lam, section.psi, stop
     return Body(
         modes=array([section.count for section in sections]),
         steps=array([case.steps for case in cases]),

@@ -53,7 +53,7 @@ def save(path: Path, case: Case, checkpoint: Checkpoint) -> None:
 def load(path: Path, case: Case) -> Checkpoint | None:
     """The checkpoint of a case, or None: without one, a run goes on from its beginning, with the same numbers."""
     try:
-        with np.load(beside(path), allow_pickle=False) as stored:
+        with open(beside(path), "rb") as file, np.load(file, allow_pickle=False) as stored:
             if str(stored["of"]) != _origin(case):
                 return None
             state = {name.removeprefix("state."): stored[name] for name in stored if name.startswith("state.")}

@@ -1,5 +1,6 @@
 """The commands. Heavy parts are imported inside them, so that `--help` answers at once."""
 
+import shlex
 import sys
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -58,7 +59,10 @@ def simulate(
     ] = None,
     settings: Settings = None,
     threads: Annotated[int | None, typer.Option(min=1, help="threads to use  [default: all]")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing result")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="replace an existing result, or what an interrupted run has left")
+    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="go on where an interrupted run stopped")] = False,
     view: Annotated[bool, typer.Option("--view", help="show the run in the browser while it computes")] = False,
 ) -> None:
     """Compute a case and write its result file."""
@@ -71,9 +75,12 @@ def simulate(
         print(f"warning: {warning}", file=sys.stderr)
     with _viewing(path) if view else nullcontext():
         try:
-            result = _simulate_with_progress(case, path, threads, overwrite)
+            result = _simulate_with_progress(case, path, threads, overwrite, resume)
         except KeyboardInterrupt:
+            again = ["taichiflap", "simulate", str(case_file), *(f"--set={setting}" for setting in settings or ())]
+            again += [*(["-o", str(output)] if output else []), "--resume"]
             print(f"interrupted: taichiflap info {path} shows what was computed until now", file=sys.stderr)
+            print(f"go on with: {shlex.join(again)}", file=sys.stderr)
             raise typer.Exit(130) from None
         with result:
             _print_summary(result)
@@ -243,15 +250,15 @@ def _pass_by(text: str) -> None:
         print(f"\r\x1b[2K{text}", end="", file=sys.stderr, flush=True)
 
 
-def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overwrite: bool) -> Any:
+def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overwrite: bool, resume: bool) -> Any:
     from .run import simulate as run
 
     if not sys.stderr.isatty():
-        return run(case, path, threads=threads, overwrite=overwrite)
+        return run(case, path, threads=threads, overwrite=overwrite, resume=resume)
     from .progress import bar
 
     with bar(case) as progress:
-        return run(case, path, threads=threads, progress=progress, overwrite=overwrite)
+        return run(case, path, threads=threads, progress=progress, overwrite=overwrite, resume=resume)
 
 
 def _print_summary(result: Any) -> None:

@@ -27,9 +27,9 @@ from typing import Any
 
 import numpy as np
 
-from . import beam, linear
+from . import beam, divergence, linear
 from . import body as bodies
-from .body import ACCEL, AMPLITUDE, BETA, C0, C1, C2, COSINE, DAMPING, LAMBDA, PSI, RATE, STIFFNESS, Body
+from .body import ACCEL, AMPLITUDE, BETA, C0, C1, C2, COSINE, DAMPING, LAMBDA, LIMIT, PSI, RATE, STIFFNESS, Body
 from .case import Case
 from .motion import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
 from .runtime import LANE, Floats3, Floats4, View, start, tasks, ti, view
@@ -104,13 +104,16 @@ def accelerate(body: View, b, n, rule):
 
 
 @ti.func
-def is_finite(body: View, b):
+def has_diverged(body: View, b):
+    """Whether a value is no longer finite, or a mode larger than any beam bends."""
     total = 0.0
+    runaway = False
     for k in range(body.modes[b]):
         total += body.q[b, ACCEL, k]
+        runaway = runaway or ti.abs(body.q[b, AMPLITUDE, k]) > body.constant[b, LIMIT, k]
     for c in range(4):
         total += body.force[b, c]
-    return not (ti.math.isnan(total) or ti.math.isinf(total))
+    return runaway or ti.math.isnan(total) or ti.math.isinf(total)
 
 
 @ti.func
@@ -144,7 +147,7 @@ def kernel(fluid: ModuleType, film: bool = True) -> Any:
                 fluid.prepare(batch, b, n, rule)
                 accelerate(batch.body, b, n, rule)
                 fluid.settle(batch, b, n, rule)
-                if not is_finite(batch.body, b):
+                if has_diverged(batch.body, b):
                     batch.body.failed[b] = n
                 if n % every == 0:
                     frame = n // every - (first + every - 1) // every
@@ -208,10 +211,10 @@ class March:
         return self._collect(first, last)
 
     def state(self, b: int) -> dict[str, np.ndarray]:
-        """Everything that a case's coming steps depend on: `restore` takes it up. Good until the next `advance`."""
+        """What a case's coming steps depend on, arrays with a case axis of one, until the next `advance`."""
         groups = {"body": self.body, **self.groups}
         return {
-            f"{group}.{name}": view(values)[b]
+            f"{group}.{name}": view(values)[b : b + 1]
             for group, arrays in groups.items()
             for name, values in arrays.items
             if name not in bodies.GIVEN
@@ -234,8 +237,17 @@ class March:
         self.next_step = next_step
 
     def failures(self) -> np.ndarray:
-        """The step at which each case's values ceased to be finite, or -1."""
+        """The step at which each case diverged, or -1."""
         return view(self.body.failed).copy()
+
+    def reason(self, b: int) -> str:
+        """Why a case stopped before its end; nothing if it did not."""
+        step, count = int(self.failures()[b]), self.sections[b].count
+        if step < 0:
+            return ""
+        # The step that failed has moved its predecessor to `q_before`.
+        now, before = (view(state)[b, AMPLITUDE, :count] for state in (self.body.q, self.body.q_before))
+        return divergence.reason(self.cases[b], self.sections[b], step, now, before)
 
     def _frames(self, case: Case, first: int, last: int) -> np.ndarray:
         every = case.output.every

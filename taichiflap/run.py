@@ -11,7 +11,7 @@ from . import checkpoint, fluids, plausible, series
 from .case import Case
 from .checkpoint import Checkpoint
 from .march import March
-from .results import Result
+from .results import Result, ResultError
 from .writer import Writer, finished
 
 Progress = Callable[[int, int], None]
@@ -81,6 +81,10 @@ def simulate(
     if len({one.solver for one in cases}) != 1 or len(paths) != len(cases):
         raise ValueError("give at least one case, all of one solver, and as many outputs as cases")
     places = [None if path is None else Path(path) for path in paths]
+    named = [path for path in places if path is not None]
+    for path in named:
+        if named.count(path) > 1:
+            raise ResultError(f"{path}: is to hold two results; name a file for each")
     run = _resume if resume else _run
     results = run(cases, places, threads, progress, overwrite)
     return results[0] if single else results
@@ -141,7 +145,10 @@ def _run(
                 writer.keep(Checkpoint(march.next_step, solve_time, march.state(b)))
             if progress:
                 progress(min(march.next_step, march.steps), march.steps)
-        return [_finish(writer, step, solve_time) for writer, step in zip(writers, march.failures(), strict=True)]
+        return [
+            writer.finish("failed" if (reason := march.reason(b)) else "complete", solve_time, reason)
+            for b, writer in enumerate(writers)
+        ]
     except BaseException:
         for writer in writers:
             writer.abandon()
@@ -151,11 +158,13 @@ def _run(
 def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint | None] | None) -> float:
     """Put a march where interrupted runs stopped; the seconds that they had taken."""
     kept = [one for one in resumed or () if one]
-    if len(kept) < len(writers):
+    frames = [-(-kept[0].next_step // writer.case.output.every) for writer in writers] if kept else []
+    # What a checkpoint counts on must be there: the file may have been moved away, or begun anew.
+    if len(kept) < len(writers) or any(w.stored < count for w, count in zip(writers, frames, strict=True)):
         return 0.0
     march.restore([one.state for one in kept], kept[0].next_step)
-    for writer in writers:
-        writer.rewind(-(-march.next_step // writer.case.output.every))
+    for writer, count in zip(writers, frames, strict=True):
+        writer.rewind(count)
     return kept[0].solve_time
 
 
@@ -164,15 +173,3 @@ def block_steps(cases: Sequence[Case], fluid: Any, step: int) -> int:
     work = sum(fluid.work(case, step) for case in cases)
     size = sum(fluid.frame_bytes(case) / case.output.every for case in cases)
     return max(1, int(min(BLOCK_STEPS, BLOCK_WORK / work, BLOCK_BYTES / size)))
-
-
-def _finish(writer: Writer, failed: np.int32, solve_time: float) -> Result:
-    if failed < 0:
-        return writer.finish("complete", solve_time=solve_time)
-    return writer.finish("failed", solve_time=solve_time, reason=failure(int(failed)))
-
-
-def failure(step: int) -> str:
-    """Why a case that failed at `step` did, and what may help."""
-    cures = "more steps a period, fewer modes, or a larger uvlm.core may help"
-    return f"values ceased to be finite at step {step}; {cures}"

@@ -103,6 +103,11 @@ class Writer:
         except OSError as error:
             raise ResultError(f"{self.path}: cannot be created: {first_line(error)}") from None
 
+    @property
+    def stored(self) -> int:
+        """Frames that the file holds."""
+        return Result(self._file).frames
+
     def rewind(self, frames: int) -> None:
         """Go on after so many frames; those behind are written anew."""
         self.frames = frames

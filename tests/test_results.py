@@ -1,5 +1,6 @@
 """The result file: other people's readers, streaming, crashes, and refusals in one sentence."""
 
+import contextlib
 import subprocess
 import sys
 
@@ -10,7 +11,7 @@ import xarray
 from conftest import CASES, hawkmoth
 
 import taichiflap
-from taichiflap import results, run
+from taichiflap import checkpoint, results, run
 from taichiflap.variables import VARIABLES
 
 SHORT = ("time.periods=2", "uvlm.panels=10", "uvlm.wake=50", "wing.modes=2")
@@ -130,11 +131,15 @@ def test_an_unknown_variable_lists_the_known(uvlm_file):
         result.tip  # noqa: B018
 
 
+BLOCK = 400
+
 KILLED = """
 import os, signal, sys
 sys.path.insert(0, {tests!r})
 from conftest import hawkmoth
 import taichiflap
+from taichiflap import run
+run.BLOCK_STEPS = {block}
 def progress(done, total):
     if done >= 300:
         os.kill(os.getpid(), signal.SIGKILL)
@@ -144,20 +149,21 @@ taichiflap.simulate(hawkmoth("time.periods=15"), {path!r}, progress=progress)
 
 def test_a_killed_run_leaves_its_frames_readable(tmp_path):
     path = tmp_path / "run.h5"
-    script = KILLED.format(tests=str(CASES.parent / "tests"), path=str(path))
+    script = KILLED.format(tests=str(CASES.parent / "tests"), path=str(path), block=BLOCK)
     killed = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
     assert killed.returncode == -9, killed.stderr
     assert not path.exists()
     with taichiflap.open_result(path) as result:
         assert result.status == "running"
-        assert result.frames >= run.BLOCK_STEPS
+        assert result.frames == BLOCK
         whole = taichiflap.simulate(hawkmoth("time.periods=15"))
         np.testing.assert_array_equal(result.force_y, whole.force_y[: result.frames])
         assert len(result.wake(-1)["y"]) == 200
 
 
-def test_an_interrupted_run_is_closed_and_readable(tmp_path):
+def test_an_interrupted_run_is_closed_and_readable(tmp_path, monkeypatch):
     path = tmp_path / "run.h5"
+    monkeypatch.setattr(run, "BLOCK_STEPS", BLOCK)
 
     def interrupt(done, total):
         raise KeyboardInterrupt
@@ -165,7 +171,7 @@ def test_an_interrupted_run_is_closed_and_readable(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         taichiflap.simulate(hawkmoth(), path, progress=interrupt)
     with taichiflap.open_result(path) as result:
-        assert result.frames == run.BLOCK_STEPS
+        assert result.frames == BLOCK
 
 
 def test_a_diverged_case_keeps_its_frames_and_says_why(tmp_path):
@@ -222,3 +228,137 @@ def test_damaged_and_foreign_files_are_refused_in_a_sentence(tmp_path, uvlm_file
 def test_a_place_that_cannot_be_written_is_refused(tmp_path, name):
     with pytest.raises(taichiflap.ResultError, match=r"cannot be created|is a directory"):
         taichiflap.simulate(hawkmoth("time.periods=1"), tmp_path / name)
+
+
+def assert_same(first, second):
+    """Every array of two result files, wakes and modes included, bit for bit; NaN equals NaN."""
+    with h5py.File(first, "r", locking=False) as one, h5py.File(second, "r", locking=False) as other:
+        names = []
+        one.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        assert len(names) > 10
+        for name in names:
+            assert one[name].dtype == other[name].dtype
+            assert one[name][...].tobytes() == other[name][...].tobytes() or name == "component", name
+
+
+@pytest.mark.parametrize("settings", [(), ("solver=dbet",), ("uvlm.wake=all", "output.every=7"), ("wing.modes=0",)])
+def test_a_resumed_run_is_the_uninterrupted_one_bit_for_bit(tmp_path, monkeypatch, settings):
+    case = hawkmoth(*SHORT, *settings)
+    taichiflap.simulate(case, tmp_path / "whole.h5").close()
+    monkeypatch.setattr(run, "BLOCK_STEPS", 61)
+    monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
+    resumed_from = []
+
+    def interrupt(done, total):
+        resumed_from.append(done)
+        if len(resumed_from) % 3 == 0 and done < total:
+            raise KeyboardInterrupt
+
+    path = tmp_path / "run.h5"
+    with pytest.raises(KeyboardInterrupt):
+        taichiflap.simulate(case, path, progress=interrupt)
+    while not path.exists():
+        with contextlib.suppress(KeyboardInterrupt):
+            taichiflap.simulate(case, path, progress=interrupt, resume=True).close()
+    # Each part went on where the one before had stopped.
+    assert resumed_from == sorted(set(resumed_from))
+    assert_same(tmp_path / "whole.h5", path)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["run.h5", "whole.h5"]
+    with taichiflap.simulate(case, path, resume=True) as again:
+        assert again.status == "complete"
+
+
+def interrupted(case, path):
+    """What an interrupted run leaves."""
+
+    def interrupt(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        taichiflap.simulate(case, path, progress=interrupt)
+
+
+def test_a_batch_resumes_cases_that_stopped_at_different_steps(tmp_path, monkeypatch):
+    cases = [
+        hawkmoth(*SHORT, f"fluid.density={density}", f"uvlm.panels={8 + i}") for i, density in enumerate((1, 2, 3))
+    ]
+    for i, case in enumerate(cases):
+        taichiflap.simulate(case, tmp_path / f"whole{i}.h5").close()
+    monkeypatch.setattr(run, "BLOCK_STEPS", 70)
+    monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
+    paths = [tmp_path / f"run{i}.h5" for i in range(3)]
+    interrupted(cases[0], paths[0])
+    taichiflap.simulate(cases[1], paths[1]).close()
+    for result in taichiflap.simulate(cases, paths, resume=True):
+        result.close()
+    for i, path in enumerate(paths):
+        assert_same(tmp_path / f"whole{i}.h5", path)
+
+
+def test_a_lost_or_damaged_checkpoint_costs_time_alone(tmp_path, monkeypatch):
+    case = hawkmoth(*SHORT)
+    taichiflap.simulate(case, tmp_path / "whole.h5").close()
+    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
+    for i, spoil in enumerate((lambda data: None, lambda data: data[:999], lambda data: b"not a zip")):
+        path = tmp_path / f"run{i}.h5"
+        interrupted(case, path)
+        state = checkpoint.beside(path)
+        spoiled = spoil(state.read_bytes())
+        state.unlink()
+        if spoiled:
+            state.write_bytes(spoiled)
+        taichiflap.simulate(case, path, resume=True).close()
+        assert_same(tmp_path / "whole.h5", path)
+
+
+def test_only_the_same_case_is_resumed(tmp_path):
+    path = tmp_path / "run.h5"
+    interrupted(hawkmoth(*SHORT), path)
+    other = hawkmoth(*SHORT, "fluid.density=2.0")
+    with pytest.raises(taichiflap.ResultError, match=r"another case: density = 1\.225 there, density = 2\.0 here"):
+        taichiflap.simulate(other, path, resume=True)
+    with pytest.raises(taichiflap.ResultError, match=r"--resume goes on with them, --overwrite begins anew"):
+        taichiflap.simulate(other, path)
+    taichiflap.simulate(other, path, overwrite=True).close()
+    with pytest.raises(taichiflap.ResultError, match=r"another case"):
+        taichiflap.simulate(hawkmoth(*SHORT), path, resume=True)
+    with taichiflap.open_result(path) as result:
+        assert result.case == other
+
+
+@pytest.mark.parametrize("option", [(), ("--resume",), ("--overwrite",)])
+def test_of_two_runs_on_one_file_the_second_is_refused(tmp_path, option):
+    path = tmp_path / "run.h5"
+    command = [sys.executable, "-m", "taichiflap", "simulate", str(CASES / "hawkmoth.toml"), "-o", str(path), *option]
+    said = []
+
+    def intrude(done, total):
+        ran = subprocess.run(command, capture_output=True, text=True, check=False)
+        said.append((ran.returncode, ran.stderr))
+
+    taichiflap.simulate(hawkmoth(*SHORT), path, progress=intrude).close()
+    assert said == [(2, f"error: {path}: another run is writing it\n")]
+
+
+def test_two_cases_do_not_share_a_file(tmp_path):
+    with pytest.raises(taichiflap.ResultError, match=r"run\.h5: is to hold two results"):
+        taichiflap.simulate([hawkmoth(*SHORT)] * 2, [tmp_path / "run.h5"] * 2)
+
+
+def test_the_numbers_of_a_file_that_is_written_are_nan_until_they_are_known(tmp_path, monkeypatch):
+    path = tmp_path / "run.h5"
+    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    interrupted(hawkmoth(*SHORT), path)
+    with xarray.open_dataset(tmp_path / "run.h5.part", engine="h5netcdf") as dataset:
+        assert dataset.sizes["time"] == 401
+        for name, values in dataset.variables.items():
+            if values.dims[0] == "time":
+                known = np.isfinite(values.values.reshape(401, -1)).all(axis=1)
+                assert known.tolist() == [True] * 100 + [False] * 301, name
+    with (
+        taichiflap.open_result(path) as result,
+        xarray.open_dataset(path.with_name("run.h5.part"), group="wake") as wake,
+    ):
+        assert result.frames == 100
+        assert not wake["count"][100:].any()

@@ -12,7 +12,6 @@ from ..case import Case, CaseError
 from ..design import Design
 from ..maps import Outcome
 from ..march import March
-from ..run import failure
 from ..runtime import available_threads
 from .quantities import SERIES, measure
 
@@ -110,7 +109,7 @@ def compute(
     outcomes = []
     for b, failed in enumerate(march.failures()):
         if failed >= 0:
-            outcomes.append(Outcome(reason=failure(int(failed))))
+            outcomes.append(Outcome(reason=march.reason(b)))
             continue
         frames = _joined([block[b] for block in blocks])
         pivot = np.zeros(1)  # no field along the chord is kept, so one node will do
