@@ -1,6 +1,7 @@
 """The viewer's server: opens the files, gives every browser a session, and keeps time for all of them."""
 
 import contextlib
+import http.client
 import io
 import socket
 import threading
@@ -76,15 +77,20 @@ class Viewer:
         self._set_backdrop()
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
-        self._threads = [threading.Thread(target=work, daemon=True) for work in (self._play, self._follow)]
+        works = self._play, self._follow, self._pack_page
+        self._threads = [threading.Thread(target=work, daemon=True) for work in works]
         for thread in self._threads:
             thread.start()
 
     @property
     def address(self) -> str:
         """Where to point a browser."""
-        host = "localhost" if self.host in ("0.0.0.0", "::") else self.host
-        return f"http://{host}:{self.port}"
+        return f"http://{self._near_host}:{self.port}"
+
+    @property
+    def _near_host(self) -> str:
+        """The host as this machine calls it."""
+        return "localhost" if self.host in ("0.0.0.0", "::") else self.host
 
     @property
     def sessions(self) -> list[Session]:
@@ -110,24 +116,33 @@ class Viewer:
             actor.show(actor.run.frames - 1, opening(self.runs).layers)
 
     def _connect(self, client: Any) -> None:
+        session = Session(client, self.runs, opening(self.runs), self._fields)
+        with self._lock:
+            self._sessions[client.client_id] = session
+        # The answer comes when the page has worked its way through what was sent until now.
         browser = _browser(client)
         with self._lock:
+            self._browsers[client.client_id] = browser
             places = self._dropped.pop(browser, [])
             recent = [place for place in places if time.monotonic() - place[0] < FORGET_SECONDS]
-            playback = recent.pop()[1] if recent else None
+            playback = recent.pop()[1] if recent else session.playback
             if recent:
                 self._dropped[browser] = recent
-        session = Session(client, self.runs, playback or opening(self.runs), self._fields)
-        with self._lock:
-            self._browsers[client.client_id] = browser
-            self._sessions[client.client_id] = session
+        self._guard(session.start, playback)
 
     def _disconnect(self, client: Any) -> None:
         with self._lock:
             session = self._sessions.pop(client.client_id, None)
-            browser = self._browsers.pop(client.client_id, "")
-            if session:
+            browser = self._browsers.pop(client.client_id, None)
+            if session and browser:
                 self._dropped.setdefault(browser, []).append((time.monotonic(), session.playback))
+
+    def _pack_page(self) -> None:
+        """Have viser compress its page now: it does that for the first who asks, who then waits."""
+        page = http.client.HTTPConnection(self._near_host, self.port)
+        with contextlib.suppress(OSError, http.client.HTTPException), contextlib.closing(page):
+            page.request("GET", "/", headers={"Accept-Encoding": "gzip"})
+            page.getresponse().read()
 
     def _play(self) -> None:
         before = time.monotonic()

@@ -7,6 +7,7 @@ import numpy as np
 
 from taichiflap.variables import VARIABLES
 
+from . import wire
 from .colours import Theme, css
 from .frames import Array, Run
 from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback, beat_span
@@ -75,7 +76,7 @@ class Charts:
         fresh = self._load(playback, again)
         for quantity in self.quantities:
             handle = self.handles[quantity.name]
-            handle.data = self._data(quantity, playback.frame)
+            wire.send(handle, data=self._data(quantity, playback.frame))
             if fresh:
                 handle.scales = self._scales(quantity)
 
@@ -113,14 +114,12 @@ class Charts:
 
     def _data(self, quantity: Quantity, frame: int) -> tuple[Array, ...]:
         curves = self._curves[quantity.name]
+        dots = [np.full(len(curve), np.nan) for curve in curves]
         now = frame / self.runs[0].frames_per_beat
-        nearest = int(np.argmin(np.abs(self._times - now))) if len(self._times) else 0
-        dots = []
-        for curve in curves:
-            dot = np.full(len(curve), np.nan)
-            if len(curve) and self._times[0] <= now + 1e-9 and now <= self._times[-1] + 1.0 / POINTS:
+        if len(self._times) and self._times[0] <= now + 1e-9 and now <= self._times[-1] + 1.0 / POINTS:
+            nearest = int(np.argmin(np.abs(self._times - now)))
+            for dot, curve in zip(dots, curves, strict=True):
                 dot[nearest] = curve[nearest]
-            dots.append(dot)
         return (self._times, *curves, *dots)
 
     def _scales(self, quantity: Quantity) -> dict[str, Any]:

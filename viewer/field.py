@@ -69,6 +69,9 @@ class Fields:
         self._lock = threading.Lock()
         self._flows: OrderedDict[tuple[int, int], Future[Flow]] = OrderedDict()
         self._limits: tuple[float, float] | None = None
+        if run.has_wake:
+            # Taichi takes a second to start, and holds up all else: now, before there is a page to hold up.
+            self._worker.submit(self._compute, 0)
 
     def ask(self, index: int) -> "Future[Flow]":
         """The flow of a frame, at once or as soon as it is computed."""
@@ -94,7 +97,7 @@ class Fields:
         self._worker.shutdown(wait=True, cancel_futures=True)
 
     def _compute(self, index: int) -> Flow:
-        from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - Taichi takes a second to start
+        from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - not for a result without a wake
 
         run, frame = self.run, self.run.frame(index)
         box = run.box + np.array([-ASIDE, -MARGIN, ASIDE, MARGIN])

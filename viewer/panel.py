@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-import viser
-
 from .charts import WINDOWS
 from .field import BACKGROUNDS
 from .frames import Run
@@ -15,6 +13,8 @@ WIDTH = 250
 CHART_WIDTH = 290
 LEGEND_WIDTH = 224
 
+# viser reads each of its icons from an archive of thousands, a tenth of a second apiece.
+PLAY, PAUSE = "▶\ufe0e Play", "❚❚ Pause"
 BACK, ON, REVERSAL_BACK, REVERSAL_ON = "‹ back", "on ›", "« last", "next »"
 
 
@@ -36,7 +36,7 @@ class Panel:
         gui.main_panel.set_width(WIDTH)
         self.time = gui.add_html("")
         with gui.add_folder("Timeline"):
-            self.play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
+            self.play = gui.add_button(PLAY)
             self.play.on_click(lambda _: act("play", None))
             self.frame = gui.add_slider("Frame", 0, max(run.frames - 1, 1), 1, playback.frame)
             self._listen(self.frame, "frame")
@@ -47,15 +47,14 @@ class Panel:
             self._listen(self.beat, "beat")
             self.loop = gui.add_dropdown("Loop", LOOPS, initial_value=playback.loop)
             self._listen(self.loop, "loop")
-            speed = next(name for name, value in SPEEDS.items() if value == playback.speed)
-            self.speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value=speed)
+            self.speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value=_speed(playback))
             self._listen(self.speed, "speed")
             self.follow = gui.add_checkbox(
                 "Follow the computation", playback.follow, visible=run.live, hint="show the newest frame as it comes"
             )
             self._listen(self.follow, "follow")
         with gui.add_folder("Scene"):
-            reset = gui.add_button("Reset view", icon=viser.Icon.FOCUS_CENTERED)
+            reset = gui.add_button("Reset view")
             reset.on_click(lambda _: act("reset", None))
             self.background = gui.add_dropdown("Background", BACKGROUNDS, initial_value=playback.background)
             if not run.has_wake:
@@ -90,17 +89,28 @@ class Panel:
             if event.client is not None:
                 self._act(name, event.target.value)
 
-    def show(self, playback: Playback) -> None:
+    def take(self, playback: Playback) -> None:
+        """Show what somebody chose before the connection dropped."""
+        choices: list[tuple[Any, Any]] = [
+            (self.loop, playback.loop), (self.speed, _speed(playback)), (self.background, playback.background),
+            (self.window, playback.window), (self.dark, playback.dark),
+            *((self.layers[name], shown) for name, shown in playback.layers.items()),
+        ]  # fmt: skip
+        for handle, choice in choices:
+            if handle.value != choice:
+                handle.value = choice
+
+    def show(self, playback: Playback, headline: str) -> None:
         """Show where playback is."""
+        self.time.content = headline
         if self.frame.value != playback.frame:
             self.frame.value = playback.frame
         self._mark(playback)
 
     def _mark(self, playback: Playback) -> None:
-        label = "Pause" if playback.playing else "Play"
+        label = PAUSE if playback.playing else PLAY
         if self.play.label != label:
             self.play.label = label
-            self.play.icon = viser.Icon.PLAYER_PAUSE if playback.playing else viser.Icon.PLAYER_PLAY
         if self.follow.value != playback.follow:
             self.follow.value = playback.follow
         beat = self._run.beat_of(playback.frame)[0]
@@ -113,3 +123,7 @@ class Panel:
         self.beat.max = self._run.beats + 1
         if not self._run.live:
             self.follow.visible = False
+
+
+def _speed(playback: Playback) -> str:
+    return next(name for name, value in SPEEDS.items() if value == playback.speed)

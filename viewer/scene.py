@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import wire
 from .colours import Rgb, Theme, linear, rgb
 from .frames import Array, Frame, Ranges, Run
 
@@ -148,20 +149,19 @@ class Actor:
         key = name, self._style
         if key not in frame.drawn:
             frame.drawn[key] = self._draw(name, frame)
-        handle.points, colours = frame.drawn[key]
-        if colours is not None:
-            handle.colors = colours
+        wire.send(handle, **frame.drawn[key])
 
-    def _draw(self, name: str, frame: Frame) -> tuple[NDArray[np.float32], NDArray[np.uint8] | None]:
+    def _draw(self, name: str, frame: Frame) -> dict[str, NDArray[Any]]:
         if name == "wing":
-            return self._wing(frame), self._wing_colours(frame)
+            return {"points": self._wing(frame), "colors": self._wing_colours(frame)}
         if name == "wake":
             limit = self.ranges.circulation
-            return wake_points(frame, limit), self.theme.circulation.symmetric(frame.circulation, limit)
+            colours = self.theme.circulation.symmetric(frame.circulation, limit)
+            return {"points": wake_points(frame, limit), "colors": colours}
         if name == "ghost":
-            return polyline(frame.chord, GHOST), None
+            return {"points": polyline(frame.chord, GHOST)}
         shapes = {"force": self._force, "velocity": self._velocity, "load": self._load}
-        return shapes[name](frame), None
+        return {"points": shapes[name](frame)}
 
     def _wing(self, frame: Frame) -> NDArray[np.float32]:
         return polyline(frame.nodes, WING - self.look.lift)
@@ -253,7 +253,7 @@ class Stage:
 
     def show(self, text: str, stroke: bool) -> None:
         """Tell the time; show or hide the stroke plane."""
-        self.time.text = text
+        wire.send(self.time, text=text)
         for handle in self.stroke:
             if handle.visible != stroke:
                 handle.visible = stroke

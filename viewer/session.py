@@ -20,8 +20,8 @@ from .panel import BACK, ON, REVERSAL_BACK, REVERSAL_ON, Panel
 from .scene import FIELD, default_layers, place, set_up
 from .timeline import Playback
 
-CHART_SECONDS = 0.12
-"""The dots of the charts move no more often than this while playing."""
+BESIDE_SECONDS = 0.12
+"""What stands beside the scene, the charts' dots and the slider, moves no more often than this while playing."""
 
 NOT_LOCKED = "This version of viser lets the view turn; “Reset view” turns it back."
 
@@ -43,7 +43,7 @@ class Session:
     Args:
         client: viser's handle of the browser.
         runs: one result, or two to compare; playback goes by the first.
-        playback: where to start; it outlives the session.
+        playback: what to show until the start.
         fields: the flow around the first result.
     """
 
@@ -53,7 +53,9 @@ class Session:
         self._lock = threading.RLock()
         self._flow: Flow | None = None
         self._field_shown = -1
-        self._charted = 0.0
+        self._asked = False
+        self._beside = 0.0
+        self._started = False
         with client.atomic():
             self._set_theme()
             self.panel = Panel(client, self.run, playback, self.act)
@@ -65,10 +67,22 @@ class Session:
             with contextlib.suppress(Exception):
                 client.add_notification("The view can turn", NOT_LOCKED)
 
+    def start(self, playback: Playback) -> None:
+        """Let the page go on from here, once it is there: what comes sooner only holds it up."""
+        with self._lock, self.client.atomic():
+            dark = self.playback.dark
+            self.playback = playback
+            self._started = True
+            self.panel.take(playback)
+            if playback.dark != dark:
+                self._darken(playback.dark)
+            self.charts.show(playback)
+            self.show()
+
     def tick(self, seconds: float) -> None:
         """Play on, if playing."""
         with self._lock:
-            if self.playback.playing:
+            if self._started and self.playback.playing:
                 timeline.advance(self.run, self.playback, seconds)
                 self.show()
 
@@ -94,12 +108,11 @@ class Session:
                 actor.show(here, self.playback.layers)
             text = self._tell_time(index)
             self.stage.show(text, self.playback.layers["stroke"])
-            self.panel.show(self.playback)
             now = time.monotonic()
-            if not self.playback.playing or now - self._charted > CHART_SECONDS:
-                self._charted = now
+            if not self.playback.playing or now - self._beside > BESIDE_SECONDS:
+                self._beside = now
                 self.charts.show(self.playback)
-                self.panel.time.content = self._headline(text)
+                self.panel.show(self.playback, self._headline(text))
             self._show_field()
 
     def act(self, name: str, value: Any) -> None:
@@ -219,20 +232,24 @@ class Session:
                 self._picture = None
             return
         index = self.playback.frame
-        if index == self._field_shown:
+        if index == self._field_shown or self._asked:
             return
         found = self.fields.ask(index)
         if found.done():
             self._paint(index, found)
         else:
+            self._asked = True
             found.add_done_callback(lambda done: self._arrive(index, done))
 
     def _arrive(self, index: int, found: "Future[Flow]") -> None:
+        """Paint what was asked for; while playing on a slow machine, that is a moment late."""
         with self._lock:
-            if found.cancelled() or self.playback.frame != index or self.playback.background == NONE:
+            self._asked = False
+            if found.cancelled() or self.playback.background == NONE:
                 return
             with contextlib.suppress(RuntimeError), self.client.atomic():
                 self._paint(index, found)
+                self._show_field()
 
     def _paint(self, index: int, found: "Future[Flow]") -> None:
         flow, first = found.result(), self._flow is None

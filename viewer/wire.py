@@ -1,0 +1,31 @@
+"""New values for what a browser shows, sent as they are.
+
+viser casts, compares, copies and sends a property at a time, for each browser anew: more work than everything else
+that a frame asks for. What is drawn once for all browsers needs none of it, and goes out as one message a node.
+"""
+
+from typing import Any
+
+import viser
+
+
+def send(handle: Any, **values: Any) -> None:
+    """Give a node of the scene, or an element beside it, new values in one message.
+
+    Arrays have the type that viser keeps, and never change afterwards. The way in is private to viser: a version
+    without it gets the values one by one, at a higher cost.
+    """
+    try:
+        queue, message = _way(handle, values)
+    except (AttributeError, TypeError):
+        for name, value in values.items():
+            setattr(handle, name, value)
+    else:
+        queue(message)
+
+
+def _way(handle: Any, values: dict[str, Any]) -> tuple[Any, Any]:
+    inner = handle._impl
+    if isinstance(handle, viser.SceneNodeHandle):
+        return inner.api._queue_scene_message, viser._messages.SceneNodeUpdateMessage(inner.name, values)
+    return inner.gui_api._websock_interface.queue_message, viser._messages.GuiUpdateMessage(inner.uuid, values)
