@@ -6,7 +6,7 @@ PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: hawkmoth view test test-fast browser lint bench clean
+.PHONY: hawkmoth view test test-fast browser lint bench bench-view clean
 
 hawkmoth: .venv/.run  ## set up and run the main job
 	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
@@ -41,6 +41,9 @@ lint: .venv/.dev  ## style and types
 
 bench: .venv/.dev  ## speed, as ratios within one run
 	$(BIN)/python benchmarks/bench.py
+
+bench-view: .venv/.dev  ## the viewer: time a frame, ten browsers, a large file
+	$(BIN)/python benchmarks/view.py
 
 clean:  ## remove the environment and what runs left here
 	rm -rf .venv *.egg-info build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis

@@ -3,6 +3,7 @@
 No browser takes part, only their connections: ten WebSocket clients that read what the server sends and drop it.
 """
 
+import argparse
 import contextlib
 import os
 import platform
@@ -21,6 +22,7 @@ import numpy as np
 import viser
 from taichiflap_viewer import Viewer
 from taichiflap_viewer.session import Session
+from taichiflap_viewer.timeline import ALL
 from websockets.sync.client import connect
 
 import taichiflap
@@ -108,6 +110,19 @@ def crowd(viewer: Viewer) -> tuple[float, float]:
     return share, rate
 
 
+def soak(viewer: Viewer, minutes: float) -> Iterator[float]:
+    """Memory, MB, at the start and after each of so many minutes in which browsers play the whole run."""
+    with browsers(viewer, CLIENTS):
+        for number, session in enumerate(viewer.sessions):
+            session.playback.loop, session.playback.speed = ALL, 1.0
+            session.playback.position = number * viewer.runs[0].frames / CLIENTS
+        time.sleep(30.0)
+        yield resident()
+        for _ in range(round(minutes)):
+            time.sleep(60.0)
+            yield resident()
+
+
 def large(path: Path) -> float:
     """Write a result with a wake of 20,000 vortices in each of 3,000 frames; its size, GB."""
     case = taichiflap.load_case(CASES / "hawkmoth.toml").override("uvlm.wake=20000")
@@ -133,8 +148,8 @@ def large(path: Path) -> float:
     return path.stat().st_size / 1e9
 
 
-def rows(folder: Path) -> Iterator[tuple[str, str, str]]:
-    """Name, figure and target of every measurement."""
+def rows(folder: Path, minutes: float) -> Iterator[tuple[str, str, str]]:
+    """Name, figure and target of every measurement; playback is watched for so many minutes, if any."""
     case = taichiflap.load_case(CASES / "hawkmoth.toml")
     path = folder / "wake.h5"
     taichiflap.simulate(case.override("uvlm.wake=2000", "uvlm.core=0.02"), path).close()
@@ -153,13 +168,26 @@ def rows(folder: Path) -> Iterator[tuple[str, str, str]]:
         share, rate = crowd(viewer)
         yield f"{CLIENTS} browsers, {name}", f"{share:.2f} core at {rate:.0f} updates/s each", "<= 0.25 core at 30/s"
         viewer.stop()
+    if minutes:
+        viewer = Viewer([path])
+        held = list(soak(viewer, minutes))
+        yield (
+            f"{CLIENTS} browsers for {minutes:g} minutes",
+            " ".join(f"{megabytes:.0f}" for megabytes in held) + " MB",
+            "flat",
+        )
+        viewer.stop()
+    began = time.perf_counter()
+    Viewer([path]).stop()
+    yield "open and close a small file", f"{time.perf_counter() - began:.2f} s", ""
     size = large(folder / "large.h5")
     before, began = resident(), time.perf_counter()
-    viewer = Viewer([folder / "large.h5"])
+    Viewer([folder / "large.h5"]).stop()
     opened = time.perf_counter() - began
+    viewer = Viewer([folder / "large.h5"])
     for index in np.linspace(0, viewer.runs[0].frames - 1, 400).astype(int):
         viewer.runs[0].frame(int(index))
-    yield f"open a file of {size:.2f} GB", f"{opened:.2f} s", "as a small one"
+    yield f"open and close one of {size:.2f} GB", f"{opened:.2f} s", "as a small one"
     yield "memory for 400 of its frames", f"{resident() - before:.0f} MB more", "< 300 MB"
     viewer.stop()
 
@@ -168,9 +196,12 @@ def main() -> None:
     if sys.argv[1:2] == ["browse"]:
         browse(int(sys.argv[2]), int(sys.argv[3]))
         return
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=0.0, help="watch memory during so many minutes of playback")
+    minutes = parser.parse_args().minutes
     print(f"{platform.processor() or platform.machine()}, {available_threads()} threads, viser {viser.__version__}")
     with tempfile.TemporaryDirectory() as folder:
-        for name, figure, target in rows(Path(folder)):
+        for name, figure, target in rows(Path(folder), minutes):
             print(f"{name:<40}{figure:<42}{target}", flush=True)
 
 

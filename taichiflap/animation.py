@@ -19,7 +19,6 @@ from PIL import Image
 from . import outputs, palette, scene
 from .results import Result
 
-THEME = palette.LIGHT
 TALL, WIDE = 840, 1040
 """Largest size of the picture inside its margins, pixels."""
 ABOVE, BELOW, BESIDE, NARROWEST = 96, 24, 176, 640
@@ -31,7 +30,7 @@ MP4_BEAT, GIF_BEAT = 100, 50
 GIF_SCALE = 0.6
 
 
-def write_mp4(result: Result, path: Path, beats: int) -> int:
+def write_mp4(result: Result, path: Path, beats: int, theme: palette.Theme = palette.LIGHT) -> int:
     """Write an H.264 film of the last beats and return its number of frames.
 
     Raises:
@@ -42,7 +41,7 @@ def write_mp4(result: Result, path: Path, beats: int) -> int:
         import imageio_ffmpeg  # noqa: PLC0415 - an optional extra
     except ImportError:
         raise outputs.OutputError('mp4 needs imageio-ffmpeg: pip install "taichiflap[video]"') from None
-    film = Film(result, beats, MP4_BEAT, MP4_RATE)
+    film = Film(result, beats, MP4_BEAT, MP4_RATE, theme=theme)
     with outputs.standing_in(path) as draft:
         writer = imageio_ffmpeg.write_frames(
             str(draft), film.size, fps=MP4_RATE, codec="libx264", macro_block_size=2, ffmpeg_log_level="error",
@@ -55,14 +54,14 @@ def write_mp4(result: Result, path: Path, beats: int) -> int:
     return len(film.frames)
 
 
-def write_gif(result: Result, path: Path, beats: int) -> int:
+def write_gif(result: Result, path: Path, beats: int, theme: palette.Theme = palette.LIGHT) -> int:
     """Write an animated gif of the last beats, for ever repeated, and return its number of frames.
 
     Raises:
         SceneError: when the result has no whole beat.
         OutputError: when the file cannot be written.
     """
-    film = Film(result, beats, GIF_BEAT, GIF_RATE, GIF_SCALE)
+    film = Film(result, beats, GIF_BEAT, GIF_RATE, GIF_SCALE, theme)
     pictures = film.pictures()
     first = Image.fromarray(next(pictures)).quantize(255)
     others = (Image.fromarray(picture).quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
@@ -81,9 +80,19 @@ class Film:
         most: frames a beat, at most; of the stored ones every n-th is taken.
         rate: frames a second at which the film is shown.
         scale: size, relative to the largest.
+        theme: the colours.
     """
 
-    def __init__(self, result: Result, beats: int, most: int, rate: int, scale: float = 1.0) -> None:
+    def __init__(
+        self,
+        result: Result,
+        beats: int,
+        most: int,
+        rate: int,
+        scale: float = 1.0,
+        theme: palette.Theme = palette.LIGHT,
+    ) -> None:
+        self.theme = theme
         stored = scene.last_beats(result, beats)[:-1]
         beats = max(1, round(float(len(stored)) * result.case.output.every / result.case.steps_per_beat))
         stride = math.ceil(len(stored) / beats / most)
@@ -100,6 +109,7 @@ class Film:
         height = inside[1] + ABOVE + BELOW
         self.size = (_even(width * scale), _even(height * scale))
         self._figure = Figure(figsize=(self.size[0] / DPI / scale, self.size[1] / DPI / scale), dpi=DPI * scale)
+        self._figure.set_facecolor(theme.ground)
         self._canvas = FigureCanvasAgg(self._figure)
         margin = 0.5 * (width - inside[0] - (BESIDE if self.dotted else 0)) / width
         self._axes = self._figure.add_axes((margin, BELOW / height, inside[0] / width, inside[1] / height))
@@ -142,14 +152,14 @@ class Film:
         """What is drawn anew for each frame; `size` is the chord on the page, points."""
         axes = self._axes
         width = np.clip(0.032 * size, 1.6, 3.6)
-        cmap = ListedColormap(palette.table(THEME) / 255.0)
+        cmap = ListedColormap(palette.table(self.theme.anchors) / 255.0)
         limits = Normalize(-self.shared.circulation, self.shared.circulation)
         wake = axes.scatter(
             [], [], c=[], s=np.clip(0.035 * size, 2.2, 4.0) ** 2, linewidths=0.0, cmap=cmap, norm=limits
         )
-        (wing,) = axes.plot([], [], color=THEME.ink, linewidth=width, solid_capstyle="round")
-        (edge,) = axes.plot([], [], "o", color=THEME.ink, markersize=1.9 * width)
-        load = Polygon(np.zeros((1, 2)), facecolor=f"{THEME.force}40", edgecolor=THEME.force, linewidth=1.2)
+        (wing,) = axes.plot([], [], color=self.theme.ink, linewidth=width, solid_capstyle="round")
+        (edge,) = axes.plot([], [], "o", color=self.theme.ink, markersize=1.9 * width)
+        load = Polygon(np.zeros((1, 2)), facecolor=f"{self.theme.force}40", edgecolor=self.theme.force, linewidth=1.2)
         axes.add_patch(load)
         clock = self._figure.text(
             0.5,
@@ -158,12 +168,12 @@ class Film:
             ha="center",
             va="center",
             fontsize=14,
-            color=THEME.ink,
+            color=self.theme.ink,
             family="DejaVu Sans Mono",
         )
         force = axes.annotate(
             "", (0, 0), (0, 0), annotation_clip=False,
-            arrowprops={"arrowstyle": "-|>", "color": THEME.force, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0},
+            arrowprops={"arrowstyle": "-|>", "color": self.theme.force, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
         movers = (wake, load, wing, edge, clock, force)
         for artist in movers:
@@ -174,37 +184,44 @@ class Film:
         figure, axes, chord = self._figure, self._axes, self.chord
         title = f"{scene.label(result)}   ({result.case.solver.upper()}, {slower:.0f} times slower than life)"
         figure.text(
-            0.5, 1.0 - 26.0 / height, title, ha="center", va="center", fontsize=11, color=THEME.muted, parse_math=False
+            0.5,
+            1.0 - 26.0 / height,
+            title,
+            ha="center",
+            va="center",
+            fontsize=11,
+            color=self.theme.muted,
+            parse_math=False,
         )
-        axes.plot(self._sway, [0.0, 0.0], color=THEME.muted, linewidth=0.8, linestyle=(0, (5, 4)))
+        axes.plot(self._sway, [0.0, 0.0], color=self.theme.muted, linewidth=0.8, linestyle=(0, (5, 4)))
         left, _, bottom, top = self.shared.page
         start, base = left + 0.25 * chord, bottom + 0.2 * chord
-        axes.plot([start, start + chord], [base, base], color=THEME.ink, linewidth=2.0, solid_capstyle="butt")
+        axes.plot([start, start + chord], [base, base], color=self.theme.ink, linewidth=2.0, solid_capstyle="butt")
         axes.annotate(
             f"1 chord = {1e3 * chord:g} mm", (start, base), (0, 6), textcoords="offset points", fontsize=11,
-            color=THEME.ink,
+            color=self.theme.ink,
         )  # fmt: skip
         at = (start, bottom + 0.2 * chord + 0.09 * (top - bottom))
         axes.annotate(
             "", (at[0] + scene.REACH * chord, at[1]), at,
-            arrowprops={"arrowstyle": "-|>", "color": THEME.force, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0},
+            arrowprops={"arrowstyle": "-|>", "color": self.theme.force, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
         force = f"force {1e3 * self.shared.force:g} mN"
         if not self.dotted:
             force += f"; load along the chord {self.shared.traction:g} Pa"
-        axes.annotate(force, at, (0, 8), textcoords="offset points", fontsize=11, color=THEME.ink)
+        axes.annotate(force, at, (0, 8), textcoords="offset points", fontsize=11, color=self.theme.ink)
         if self.dotted:
             self._draw_legend(right, width, height)
 
     def _draw_legend(self, right: float, width: float, height: float) -> None:
         bar = self._figure.add_axes((right + 44 / width, 0.24, 18 / width, 0.5))
         limit = self.shared.circulation
-        bar.imshow(palette.table(THEME)[::-1, None, :], extent=(0, 1, -limit, limit), aspect="auto")
+        bar.imshow(palette.table(self.theme.anchors)[::-1, None, :], extent=(0, 1, -limit, limit), aspect="auto")
         bar.set(xticks=[], yticks=np.linspace(-limit, limit, 5))
         bar.yaxis.set_major_formatter("{x:g}")
         bar.yaxis.tick_right()
-        bar.tick_params(labelsize=10, color=THEME.muted, labelcolor=THEME.ink)
-        bar.set_title("Γ (m² s⁻¹)", fontsize=11, color=THEME.ink, pad=10)
+        bar.tick_params(labelsize=10, color=self.theme.muted, labelcolor=self.theme.ink)
+        bar.set_title("Γ (m² s⁻¹)", fontsize=11, color=self.theme.ink, pad=10)
         bar.spines[:].set_visible(False)
 
 

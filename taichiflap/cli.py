@@ -84,9 +84,12 @@ def simulate(
             raise typer.Exit(130) from None
         with result:
             _print_summary(result)
-            if result.status == "failed":
+            failed = result.status == "failed"
+            if failed:
                 print(f"error: {path}: {result.attributes['reason']}", file=sys.stderr)
-                raise typer.Exit(1)
+    # After the viewer, which shows the frames until the failure.
+    if failed:
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -132,7 +135,7 @@ def plot(
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing figures")] = False,
 ) -> None:
-    """Draw the last beat for print: a summary, and the wing with its wake, as PNG and SVG."""
+    """Draw the last beat for print: a summary of one result or two, and the wing of each, as PNG and SVG."""
     from contextlib import ExitStack
 
     from .results import open_result
@@ -155,6 +158,7 @@ def export(
     beats: Annotated[
         int | None, typer.Option(help="last beats to show  [default: 4 in html, 2 in mp4, 1 in gif]")
     ] = None,
+    dark: Annotated[bool, typer.Option("--dark", help="a film on a dark ground")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
     """Write a result as a table, for ParaView, or as a page or film that plays its last beats."""
@@ -162,7 +166,7 @@ def export(
     from .results import open_result
 
     with open_result(file) as result:
-        print(f"{write(result, to, output, beats, overwrite)} written")
+        print(f"{write(result, to, output, beats, overwrite, dark=dark)} written")
 
 
 @app.command()

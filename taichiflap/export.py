@@ -2,16 +2,22 @@
 
 from pathlib import Path
 
-from . import outputs
+from . import outputs, palette
 from .results import Result
 
 FORMATS = ("csv", "vtkhdf", "html", "mp4", "gif")
+FILMS = ("mp4", "gif")
 BEATS = {"html": 4, "mp4": 2, "gif": 1}
 """Formats that show the last beats, and how many if not told."""
 
 
 def export(
-    result: Result, kind: str, path: Path | None = None, beats: int | None = None, overwrite: bool = False
+    result: Result,
+    kind: str,
+    path: Path | None = None,
+    beats: int | None = None,
+    overwrite: bool = False,
+    dark: bool = False,
 ) -> Path:
     """Write a result in another format and return the file's name.
 
@@ -19,6 +25,7 @@ def export(
         kind: one of `FORMATS`.
         path: the file, or a folder to put it in; the result's own name, here, if None.
         beats: how many of the last beats a page or a film shows; fewer if the run has fewer.
+        dark: draw a film on a dark ground.
 
     Raises:
         OutputError: for an unknown format, a file that exists already, or one that cannot be written.
@@ -30,6 +37,8 @@ def export(
         raise outputs.OutputError(f"{kind} holds the whole run; --beats is for {', '.join(BEATS)}")
     if beats is not None and beats < 1:
         raise outputs.OutputError(f"--beats {beats}: must be at least 1")
+    if dark and kind not in FILMS:
+        raise outputs.OutputError(f"--dark is for {' and '.join(FILMS)}")
     path = outputs.place(result, path, f".{kind}")
     outputs.check(path, overwrite)
     if not result.frames:
@@ -50,5 +59,6 @@ def export(
     else:
         from .animation import write_gif, write_mp4  # noqa: PLC0415
 
-        (write_mp4 if kind == "mp4" else write_gif)(result, path, beats or BEATS[kind])
+        theme = palette.DARK if dark else palette.LIGHT
+        (write_mp4 if kind == "mp4" else write_gif)(result, path, beats or BEATS[kind], theme)
     return path

@@ -4,6 +4,7 @@ The map runs from blue over grey to orange: people with any of the usual colour-
 apart, and lightness changes evenly from zero to either end, so that it survives a grey print.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,12 +62,12 @@ PARTS = ("#16191d", "#0060a8", "#d55e00")
 """Colours of a whole and its two parts."""
 
 
-def table(theme: Theme = LIGHT) -> NDArray[np.uint8]:
-    """The diverging map from its lower to its upper limit, sRGB, shape (LEVELS, 3).
+def table(colours: Sequence[str] = LIGHT.anchors) -> NDArray[np.uint8]:
+    """A map through evenly spaced `#rrggbb` colours, lowest value first, sRGB, shape (LEVELS, 3).
 
     Colours between the anchors are mixed in Oklab, where equal steps look equal.
     """
-    anchors = _oklab(np.array([_rgb(colour) for colour in theme.anchors]))
+    anchors = _oklab(np.array([_rgb(colour) for colour in colours]))
     where = np.linspace(0.0, len(anchors) - 1.0, LEVELS)
     mixed = np.stack([np.interp(where, np.arange(len(anchors)), column) for column in anchors.T], axis=1)
     return np.rint(255.0 * _srgb(mixed)).astype(np.uint8)
@@ -75,7 +76,7 @@ def table(theme: Theme = LIGHT) -> NDArray[np.uint8]:
 def colours(values: ArrayLike, limit: float, theme: Theme = LIGHT) -> NDArray[np.uint8]:
     """Colour of each value between -limit and limit, sRGB, shape (..., 3); values beyond take the end's colour."""
     scaled = np.clip(np.asarray(values, dtype=float) / limit, -1.0, 1.0)
-    return table(theme)[np.rint((scaled + 1.0) * (LEVELS // 2)).astype(int)]
+    return table(theme.anchors)[np.rint((scaled + 1.0) * (LEVELS // 2)).astype(int)]
 
 
 def symmetric_limit(values: ArrayLike) -> float:

@@ -88,7 +88,10 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "force": pack([frame.force for frame in frames]),
         "tip": pack(result.tip_deflection[indices]),
         "lift": pack(result.force_vertical[indices]),
-        "tables": {"light": _base64(palette.table(palette.LIGHT)), "dark": _base64(palette.table(palette.DARK))},
+        "tables": {
+            "light": _base64(palette.table(palette.LIGHT.anchors)),
+            "dark": _base64(palette.table(palette.DARK.anchors)),
+        },
     }
     model = f"{case.solver.upper()}, {'flexible' if case.wing.modes else 'rigid'} wing"
     if case.motion.frequency:

@@ -60,7 +60,7 @@ _STYLE: Any = {
 
 
 def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = False) -> list[Path]:
-    """Write `STEM-summary` of all results, and `STEM-wing` of the first, as PNG and SVG.
+    """Write `STEM-summary` of all results, and `STEM-wing`, `STEM-wing-2`, ... of each, as PNG and SVG.
 
     Args:
         stem: how the files' names begin, or a folder to put them in; the first result's own name, here, if None.
@@ -73,11 +73,11 @@ def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = 
         OutputError: when a file exists already or cannot be written.
     """
     stem = outputs.place(results[0], stem)
-    names = ("summary", "wing")
+    names = ["summary", *("wing" if number == 1 else f"wing-{number}" for number in range(1, len(results) + 1))]
     paths = [stem.with_name(f"{stem.name}-{name}.{kind}") for name in names for kind in FORMATS]
     for path in paths:
         outputs.check(path, overwrite)
-    for name, figure in zip(names, (summary(results), wing(results[0])), strict=True):
+    for name, figure in zip(names, (summary(results), *map(wing, results)), strict=True):
         for kind in FORMATS:
             path = stem.with_name(f"{stem.name}-{name}.{kind}")
             metadata = {"Date": None} if kind == "svg" else None

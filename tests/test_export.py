@@ -138,6 +138,31 @@ def test_a_film_has_every_frame(blades, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["a.mp4"]
 
 
+def test_a_dark_film_has_the_dark_theme(lattice):
+    light, dark = (animation.Film(lattice, 1, 1, 25, theme=theme) for theme in (palette.LIGHT, palette.DARK))
+    for film, theme in ((light, palette.LIGHT), (dark, palette.DARK)):
+        (picture,) = film.pictures()
+        assert "#{:02x}{:02x}{:02x}".format(*picture[0, 0]) == theme.ground
+        ink = np.array([int(theme.ink[k : k + 2], 16) for k in (1, 3, 5)])
+        assert np.sum(np.all(picture == ink, axis=-1)) > 50
+
+
+def test_a_running_file_exports_what_it_holds(lattice, tmp_path):
+    """Under its later name, and no more frames than there are."""
+    running = tmp_path / "run.h5.part"
+    shutil.copy(lattice.path, running)
+    with h5py.File(running, "r+") as file:
+        file.attrs["status"] = "running"
+        file["time"].resize(151, axis=0)
+    with taichiflap.open_result(tmp_path / "run.h5") as result:
+        assert (result.status, result.frames) == ("running", 151)
+        table = export(result, "csv", tmp_path)
+        with Image.open(export(result, "gif", tmp_path, beats=1)) as picture:
+            assert picture.n_frames == 50
+    assert table == tmp_path / "run.csv"
+    assert len(table.read_text().splitlines()) == 1 + 151
+
+
 def test_a_film_draws_the_wake_in_its_colours(lattice):
     film = animation.Film(lattice, 1, 4, 25)
     assert [frame.beats for frame in film.frames] == pytest.approx([2.0, 2.25, 2.5, 2.75])
@@ -167,6 +192,7 @@ def test_without_its_extra_a_film_says_what_to_install(blades, tmp_path, monkeyp
         ("absent", ["--to", "csv"], "no such file"),
         ("lattice", ["--to", "pdf"], "no format 'pdf'; there are csv, vtkhdf, html, mp4, gif"),
         ("lattice", ["--to", "csv", "--beats", "2"], "--beats is for html, mp4, gif"),
+        ("lattice", ["--to", "html", "--dark"], "--dark is for mp4 and gif"),
         ("lattice", ["--to", "gif", "--beats", "0"], "must be at least 1"),
         ("lattice", ["--to", "csv", "-o", "no/such.csv"], "no is not a folder"),
         ("lattice", ["--to", "csv", "-o", "taken.csv"], "--overwrite"),

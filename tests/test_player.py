@@ -166,7 +166,7 @@ def test_wing_and_wake_have_the_legends_colours(scheme, theme, opened, lattice):
     ink = page.evaluate(PIXELS, frame.wing[5].tolist())[:3]
     assert "#{:02x}{:02x}{:02x}".format(*ink) == theme.ink
     ends = page.evaluate("[0, 256].map((x) => [...element('bar').getContext('2d').getImageData(x, 0, 1, 1).data])")
-    np.testing.assert_array_equal(np.array(ends)[:, :3], palette.table(theme)[[0, -1]])
+    np.testing.assert_array_equal(np.array(ends)[:, :3], palette.table(theme.anchors)[[0, -1]])
     assert f"{limit:g}" in page.inner_text("#ticks")
     assert "m²/s" in page.inner_text("#legend")
 

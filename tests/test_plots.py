@@ -131,9 +131,9 @@ def test_reversals_are_where_the_plunge_turns(lattice):
 
 def test_plot_writes_figures_that_name_no_machine(lattice, blades, tmp_path, capsys):
     cli.app(["plot", str(lattice.path), str(blades.path), "-o", str(tmp_path)], standalone_mode=False)
-    names = {f"lattice-{name}.{kind}" for name in ("summary", "wing") for kind in ("png", "svg")}
+    names = {f"lattice-{name}.{kind}" for name in ("summary", "wing", "wing-2") for kind in ("png", "svg")}
     assert {file.name for file in tmp_path.iterdir()} == names
-    assert len(capsys.readouterr().out.splitlines()) == 4
+    assert len(capsys.readouterr().out.splitlines()) == 6
     for file in tmp_path.iterdir():
         content = file.read_bytes()
         assert str(tmp_path.parent).encode() not in content
@@ -168,7 +168,7 @@ def test_the_map_is_even_about_zero_and_told_apart_by_everyone():
         "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
     }
     for theme in (palette.LIGHT, palette.DARK):
-        table = palette.table(theme) / 255.0
+        table = palette.table(theme.anchors) / 255.0
         linear = np.where(table <= 0.04045, table / 12.92, ((table + 0.055) / 1.055) ** 2.4)
         lightness = palette._oklab(table)[:, 0]
         steps = np.diff(lightness) * (1 if theme is palette.LIGHT else -1)

@@ -1,22 +1,36 @@
 """The viewer without a browser: frames, playback, colours, comparison, flow, and what it says when it cannot start."""
 
+import os
+import signal
 import socket
 import subprocess
 import sys
+import threading
 
+import msgspec
 import numpy as np
 import pytest
 import viser
-from conftest import hawkmoth
-from taichiflap_viewer import Viewer, ViewError, camera, compare, field, timeline
+import zstandard
+from conftest import CASES, hawkmoth
+from taichiflap_viewer import Viewer, ViewError, app, camera, compare, field, timeline, wire
 from taichiflap_viewer.colours import DARK, LIGHT, linear
 from taichiflap_viewer.frames import Run
+from taichiflap_viewer.scene import set_up
 from taichiflap_viewer.session import opening
+from websockets.sync.client import connect
 
 import taichiflap
 from taichiflap import open_result
 from taichiflap.results import ResultError, part
 from taichiflap.writer import Writer
+
+CAMERA = {
+    "type": "ViewerCameraMessage", "wxyz": [1.0, 0.0, 0.0, 0.0], "position": [0.0, -50.0, 0.0],
+    "fov": 0.14, "near": 0.5, "far": 4000.0, "image_height": 720, "image_width": 700,
+    "look_at": [0.0, 0.0, 0.0], "up_direction": [0.0, 0.0, 1.0],
+}  # fmt: skip
+"""What a page says first."""
 
 
 @pytest.fixture(scope="module")
@@ -211,6 +225,129 @@ def test_the_rotation_lock_says_so_where_viser_has_changed():
         """A browser's handle in a viser without the way in."""
 
     assert camera.lock_rotation(Client()) is False
+
+
+def test_a_frame_is_one_message_a_node_and_drawn_once_for_all(folder, monkeypatch):
+    """Guards the private way past viser's handles, on which the cost of many browsers rests."""
+    viewer = Viewer([folder / "uvlm.h5"])
+    try:
+        run, layers, wakes = viewer.runs[0], opening(viewer.runs).layers, []
+        shown = {"/wing": {"points", "colors"}, "/wake": {"points", "colors"}, "/ghost": {"points"}}
+        shown["/force"] = {"points"}
+        for _ in range(2):
+            _, (actor,) = set_up(viewer.server.scene, viewer.runs, LIGHT)
+            actor.show(249, layers)
+            with monkeypatch.context() as patched:
+                sent = []
+                patched.setattr(viewer.server._websock_server, "queue_message", sent.append)
+                actor.show(250, layers)
+            assert len(sent) == len(shown)
+            assert {message.name: set(message.updates) for message in sent} == shown
+            wakes += [message.updates["points"] for message in sent if message.name == "/wake"]
+        assert wakes[0] is wakes[1]
+        assert (wakes[0].dtype, len(wakes[0])) == (np.float32, len(run.frame(250).wake))
+    finally:
+        viewer.stop()
+
+
+def test_without_the_private_way_values_go_through_the_handle():
+    class Handle:
+        """A node's handle in a viser without the way in."""
+
+    handle = Handle()
+    wire.send(handle, text="beat 1", visible=True)
+    assert (handle.text, handle.visible) == ("beat 1", True)
+
+
+def test_a_page_gets_its_controls_before_it_has_told_its_name(folder, monkeypatch):
+    """One round trip less before the page is complete, and nothing plays before it is."""
+    told = threading.Event()
+    monkeypatch.setattr(app, "_browser", lambda client: told.wait(30.0) and "a name")
+    viewer = Viewer([folder / "dbet.h5"])
+    try:
+        protocol = f"viser-v{viser.__version__}"
+        with connect(f"ws://127.0.0.1:{viewer.port}", subprotocols=[protocol], max_size=None) as page:
+            page.send(msgspec.msgpack.encode(CAMERA))
+            received = b""
+            while b"Reset view" not in received:
+                data = page.recv(timeout=30.0)
+                received = zstandard.decompress(data[16 : 16 + int.from_bytes(data[8:16], "little")])
+            (session,) = viewer.sessions
+            before = session.playback.position
+            session.tick(0.1)
+            assert session.playback.position == before
+            told.set()
+            while session.playback.position == before:
+                page.recv(timeout=30.0)
+    finally:
+        told.set()
+        viewer.stop()
+
+
+def test_a_narrow_window_has_the_scene_above_the_controls(run):
+    width, height = 480.0, 800.0
+    (x, away, z), _ = camera.home(run.box, width, height)
+    scale = -away * 2.0 * np.tan(camera.FIELD_OF_VIEW / 2.0) / height
+    left, bottom, right, top = run.box
+    assert (z - bottom) / scale < height / 2.0 - camera.SHEET * height
+    assert (top - z) / scale < height / 2.0
+    assert max(right - x, x - left) / scale < width / 2.0
+
+
+@pytest.fixture
+def command(tmp_path):
+    """Start commands that serve until they are interrupted; they are told of no browser to open."""
+    started = []
+
+    def start(*arguments):
+        process = subprocess.Popen(
+            [sys.executable, "-m", "taichiflap", *map(str, arguments)],
+            cwd=tmp_path, env={**os.environ, "BROWSER": "true"}, text=True, start_new_session=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+
+
+def test_view_says_which_port_it_takes_and_what_differs(folder, command):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        process = command("view", folder / "uvlm.h5", folder / "dbet.h5", "--port", port, "--no-browser")
+        lines = []
+        while not lines or "Ctrl-C" not in lines[-1]:
+            lines.append(process.stdout.readline())
+        assert lines[-2] == f"port {port} is taken\n"
+        assert lines[-1].startswith("http://127.0.0.1:")
+        assert any(line.startswith("vertical force, mean, mN") for line in lines)
+    os.killpg(process.pid, signal.SIGINT)
+    assert process.wait(30.0) == 0
+    process = command("view", *[folder / "uvlm.h5"] * 3)
+    assert process.wait(60.0) == 2
+    assert process.stderr.read() == "error: view shows one result, or two compared, not 3\n"
+
+
+def test_a_run_that_fails_keeps_its_viewer(command):
+    """Its frames until the failure can be looked at; the exit code comes when the viewer is closed."""
+    spinning = ("wing.youngs_modulus=1.0", "motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0")
+    settings = [part for one in (*spinning, "fluid.density=0.0", "time.periods=60") for part in ("--set", one)]
+    process = command("simulate", CASES / "hawkmoth_dbet.toml", *settings, "--view")
+    line = ""
+    while "Ctrl-C" not in line:
+        line = process.stdout.readline()
+        assert line, process.stderr.read()
+    while "ceased to be finite" not in process.stderr.readline():
+        assert process.poll() is None
+    host, port = line.split()[0].removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), timeout=30.0):
+        assert process.poll() is None
+    os.killpg(process.pid, signal.SIGINT)
+    assert process.wait(30.0) == 1
 
 
 class _Section:

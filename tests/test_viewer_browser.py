@@ -5,18 +5,22 @@ Conditions are waited for, never times. The scene that a page holds is read from
 
 import contextlib
 import io
+import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import CASES, hawkmoth
 from matplotlib.image import imread
 from taichiflap_viewer import Viewer
-from taichiflap_viewer.colours import LIGHT, linear, rgb
+from taichiflap_viewer.colours import DARK, LIGHT, linear, rgb
+from test_cli import frames_in
 
 import taichiflap
 
@@ -195,11 +199,28 @@ def test_layers_background_and_theme_act(serve, look):
     page.get_by_text("Air: vorticity, 1/s").wait_for()
     choose(page, "Background", "none")
     page.wait_for_function(f"() => !({NODE.format('/field/picture')})")
+    assert page.locator(".tabler-icon-share").count() == 0
+    inks = "ink => { let seen = false; window.__viserMutable.scene.traverse(node => { if (node.material && " + (
+        "node.material.fragmentShader && node.material.fragmentShader.includes(`vec4(${ink}, a)`)) seen = true; });"
+        " return seen; }"
+    )
     light = floats(page, "/wake", "colors")
     page.get_by_label("Dark", exact=True).click()
     page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
     page.wait_for_function(f"old => Array.from({PROPS.format('/wake')}.colors).join() !== old", arg=",".join(
         str(int(value)) for value in light))  # fmt: skip
+    # Guards the private way in which labels get the theme's colour.
+    page.wait_for_function(inks, arg=", ".join(f"{part / 255.0:.3f}" for part in DARK.ink))
+
+
+def test_a_narrow_window_has_its_controls_below_the_scene(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    page.set_viewport_size({"width": 480, "height": 800})
+    button = page.get_by_role("button", name="Pause")
+    sheet = """document.querySelector('[style*="position: fixed"][style*="20em"]')"""
+    page.wait_for_function(f"() => {sheet} && {sheet}.getBoundingClientRect().width === 480")
+    assert button.bounding_box()["y"] > 0.55 * 800
 
 
 def test_the_view_pans_and_zooms_but_does_not_turn(serve, look):
@@ -303,29 +324,40 @@ def test_a_dropped_connection_comes_back_to_its_frame(serve, look):
         assert not page.evaluate(f"() => {NODE.format('/force')}.effectiveVisibility")
 
 
-def test_a_run_is_followed_while_it_computes(tmp_path, look):
-    """`simulate` in a process of its own; the page follows to the last frame of the complete file."""
+def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
+    """`simulate --view` as a user runs it; the page follows to the last frame of the complete file."""
     path = tmp_path / "live.h5"
-    command = [sys.executable, "-m", "taichiflap", "simulate", "hawkmoth.toml", "-o", path, "--threads", "1"]
+    command = [sys.executable, "-m", "taichiflap", "simulate", "hawkmoth.toml", "-o", path, "--threads", "1", "--view"]
     settings = ["time.periods=4", "uvlm.wake=1600", "time.steps_per_period=400", "uvlm.core=0.05"]
     arguments = [part for setting in settings for part in ("--set", setting)]
-    with subprocess.Popen([*command, *arguments], cwd=CASES, stdout=subprocess.DEVNULL) as running:
-        part = path.with_name("live.h5.part")
-        while not part.exists():
-            assert running.poll() is None
-        viewer = Viewer([part], port=18080)
+    with subprocess.Popen(
+        [*command, *arguments], cwd=CASES, env={**os.environ, "BROWSER": "true"}, text=True, start_new_session=True,
+        stdout=subprocess.PIPE,
+    ) as running:  # fmt: skip
         try:
-            assert viewer.runs[0].live
-            page = look(viewer.address)
+            # Held up once its viewer is there, lest it end before the page opens.
+            children = Path(f"/proc/{running.pid}/task").glob
+            while not (frames_in(path) and any(task.read_text() for task in children("*/children"))):
+                assert running.poll() is None
+            os.kill(running.pid, signal.SIGSTOP)
+            line = ""
+            while "Ctrl-C" not in line:
+                line = running.stdout.readline()
+                assert line
+            page = look(line.split()[0])
+            page.locator("[data-time]").get_by_text("being computed").wait_for()
+            os.kill(running.pid, signal.SIGCONT)
             page.wait_for_function(f"() => {PROPS.format('/time')}.text.includes('beat 4   t/T = 1.000')")
-            assert running.wait() == 0
-            wait_until(page, lambda: viewer.runs[0].status == "complete")
-            result = viewer.runs[0].result
-            assert result.path == path
-            wake = floats(page, "/wake").reshape(-1, 3)
-            np.testing.assert_allclose(wake[:, 0], result.wake(1600)["z"] / viewer.runs[0].chord, atol=1e-4)
+            page.wait_for_function("() => !document.querySelector('[data-time]').innerText.includes('being computed')")
+            with taichiflap.open_result(path) as result:
+                assert (result.status, result.frames) == ("complete", 1601)
+                wake, chord = floats(page, "/wake").reshape(-1, 3), result.case.wing.chord
+                np.testing.assert_allclose(wake[:, 0], result.wake(1600)["z"] / chord, atol=1e-4)
+            assert running.poll() is None
         finally:
-            viewer.stop()
+            os.killpg(running.pid, signal.SIGCONT)
+            os.killpg(running.pid, signal.SIGINT)
+        assert running.wait(30.0) == 0
 
 
 def pixels_of(page, colour):

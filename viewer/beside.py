@@ -15,7 +15,7 @@ LOOK_SECONDS = 0.1
 class Beside:
     """Shows a result file from when it is begun; use it as a context around what writes the file.
 
-    On leaving, it serves on until it is interrupted; after an error it stops at once.
+    On leaving, it serves on until it is interrupted; after an error or an interruption it stops at once.
 
     Args:
         path: the final name of the file.

@@ -10,6 +10,8 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from . import wire
+
 Box = Sequence[float] | NDArray[np.floating]
 Point = tuple[float, float, float]
 
@@ -17,8 +19,10 @@ FIELD_OF_VIEW = math.radians(8.0)
 """Narrow enough to look flat: viser has no parallel projection."""
 MARGIN = 1.08
 """What is seen over what the box takes."""
-NARROW = 0.8
-"""Width over height of a window that is held upright."""
+NARROW = 576.0
+"""viser shows a window of fewer pixels its controls on a sheet at the bottom."""
+SHEET = 0.45
+"""Share of such a window that the sheet takes; see `narrow`."""
 LEGEND_PIXELS = 250.0
 """A wide window has this much free on the left."""
 NEAREST, FARTHEST = 3.0, 2000.0
@@ -51,14 +55,22 @@ def home(box: Box, width: float, height: float) -> tuple[Point, Point]:
         width, height: of the canvas, pixels.
     """
     left, bottom, right, top = (float(edge) for edge in box)
-    scale = MARGIN * max((top - bottom) / height, (right - left) / width)
+    sheet = SHEET * height if 1.0 < width <= NARROW else 0.0
+    scale = MARGIN * max((top - bottom) / (height - sheet), (right - left) / width)
     distance = max(scale * height / (2.0 * math.tan(FIELD_OF_VIEW / 2.0)), NEAREST)
-    spare = max(0.0, min(width * scale - MARGIN * (right - left), LEGEND_PIXELS * scale))
-    x, z = 0.5 * (left + right - spare), 0.5 * (bottom + top)
-    if width < NARROW * height:
-        # The controls cover the lower part.
-        z = top - 0.5 * height * scale / MARGIN
+    spare = 0.0 if sheet else max(0.0, min(width * scale - MARGIN * (right - left), LEGEND_PIXELS * scale))
+    x, z = 0.5 * (left + right - spare), 0.5 * (bottom + top - sheet * scale)
     return (x, -distance, z), (x, 0.0, z)
+
+
+def narrow() -> str:
+    """A style sheet, as HTML, that spreads viser's sheet over the width of a narrow window, below the scene."""
+    sheet = '[style*="position: fixed"][style*="width: 20em"]'
+    return (
+        f"<style>@media (max-width: {NARROW:g}px) {{"
+        f" {sheet} {{ width: 100% !important; max-height: {100.0 * SHEET:g}% !important; }}"
+        f' {sheet} [style*="width: 20em"] {{ width: 100% !important; }} }}</style>'
+    )
 
 
 def start(server: viser.ViserServer, box: Box) -> None:
@@ -117,9 +129,4 @@ class View:
 
 def lock_rotation(client: Any) -> bool:
     """Keep a browser's view from turning; False if this viser has no way to."""
-    try:
-        message = viser._messages.RunJavascriptMessage(source=LOCK)
-        client._websock_connection.queue_message(message)
-    except (AttributeError, TypeError):
-        return False
-    return True
+    return wire.run(client, LOCK)

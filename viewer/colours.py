@@ -9,21 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from taichiflap import palette
+
 Rgb = tuple[int, int, int]
 Colours = NDArray[np.uint8]
 
-LEVELS = 256
+LEVELS = palette.LEVELS
 
 
 class Map:
-    """A colour map, given by evenly spaced `#rrggbb` stops."""
+    """A colour map, given by evenly spaced `#rrggbb` stops and mixed as `palette` mixes them."""
 
     def __init__(self, *stops: str) -> None:
         self.stops = stops
-        given = np.array([rgb(stop) for stop in stops], dtype=float)
-        levels = np.linspace(0.0, len(stops) - 1.0, LEVELS)
-        channels = [np.interp(levels, np.arange(len(stops)), given[:, c]) for c in range(3)]
-        self.table = np.round(np.stack(channels, axis=1)).astype(np.uint8)
+        self.table = palette.table(stops)
 
     def symmetric(self, values: NDArray[np.floating], limit: float) -> Colours:
         """Colours of `values`, with zero in the middle and `-limit`, `limit` at the ends; shape (..., 3)."""
@@ -86,7 +85,7 @@ LIGHT = Theme(
     load=(14, 128, 112),
     velocity=(95, 103, 117),
     runs=("#0b62a8", "#c4520c"),
-    circulation=Map("#08306b", "#2f7fc1", "#dde1e6", "#e07b2f", "#7f2704"),
+    circulation=Map(*palette.LIGHT.anchors),
     pressure=Map("#c2148a", "#2a2a2e", "#2c9a1f"),
     vorticity=Map("#5b9bd3", "#b9d5ec", "#ffffff", "#f3cfb0", "#e39a5f"),
     speed=Map("#ffffff", "#d5e4e8", "#93bfc9", "#4a8c9c", "#1d5566"),
@@ -100,7 +99,7 @@ DARK = Theme(
     load=(70, 205, 185),
     velocity=(168, 176, 190),
     runs=("#56b4ff", "#ff9a4d"),
-    circulation=Map("#a8dcff", "#3d95dc", "#3c4148", "#e5822f", "#ffd3a3"),
+    circulation=Map(*palette.DARK.anchors),
     pressure=Map("#ff6fd0", "#f4f4f6", "#7fe05a"),
     vorticity=Map("#2f78b3", "#1e4260", "#141414", "#593a20", "#ab6327"),
     speed=Map("#141414", "#1d333a", "#2c6170", "#5ba3b3", "#c4ecf2"),

@@ -69,7 +69,7 @@ def _swatch(colour: str) -> str:
 def _bar(bar: Bar) -> str:
     values = (bar.low, 0.5 * (bar.low + bar.high), bar.high)
     numbers = "".join(f"<span>{_signed(value, bar.low < 0.0)}</span>" for value in values)
-    gradient = GRADIENT.format(",".join(bar.colours.stops))
+    gradient = GRADIENT.format(",".join(css(colour) for colour in bar.colours.table[::16]))
     return f"{bar.title}, {bar.unit}<div style='{gradient}'></div><div style='{ROW}'>{numbers}</div>{bar.remark}"
 
 

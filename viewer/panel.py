@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from . import camera
 from .charts import WINDOWS
 from .field import BACKGROUNDS
 from .frames import Run
@@ -34,6 +35,7 @@ class Panel:
         gui = client.gui
         gui.main_panel.dock_left()
         gui.main_panel.set_width(WIDTH)
+        gui.add_html(camera.narrow())
         self.time = gui.add_html("")
         with gui.add_folder("Timeline"):
             self.play = gui.add_button(PLAY)

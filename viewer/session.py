@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import camera, compare, field, timeline
+from . import camera, compare, field, labels, timeline
 from .charts import Charts, caption
 from .colours import theme
 from .field import NONE, Fields, Flow
@@ -186,6 +186,7 @@ class Session:
         self.client.gui.configure_theme(
             dark_mode=self.playback.dark, show_logo=False, show_share_button=False, control_width="medium"
         )
+        labels.paint(self.client, self.theme)
 
     def _build(self) -> None:
         """Build the scene anew: for another theme, or for ranges that a growing run has changed."""

@@ -1,4 +1,4 @@
-"""New values for what a browser shows, sent as they are.
+"""What goes to a browser past viser's own handles: new values as they are, and scripts.
 
 viser casts, compares, copies and sends a property at a time, for each browser anew: more work than everything else
 that a frame asks for. What is drawn once for all browsers needs none of it, and goes out as one message a node.
@@ -22,6 +22,16 @@ def send(handle: Any, **values: Any) -> None:
             setattr(handle, name, value)
     else:
         queue(message)
+
+
+def run(client: Any, script: str) -> bool:
+    """Run a script in a page; False if this viser has no way to."""
+    try:
+        message = viser._messages.RunJavascriptMessage(source=script)
+        client._websock_connection.queue_message(message)
+    except (AttributeError, TypeError):
+        return False
+    return True
 
 
 def _way(handle: Any, values: dict[str, Any]) -> tuple[Any, Any]:
