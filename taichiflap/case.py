@@ -196,7 +196,8 @@ def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path =
     except PointsError as error:
         raise CaseError(source, [str(error)]) from None
     except ValidationError as error:
-        problems = [describe(detail, document, Case) for detail in error.errors(include_url=False)]
+        found = [detail for detail in error.errors(include_url=False) if detail["type"] != "none_required"]
+        problems = [describe(detail, document, Case) for detail in found]
         raise CaseError(source, list(dict.fromkeys(problems))) from None
 
 

@@ -6,10 +6,19 @@ from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
 
+def _without_nothing(schema: dict[str, Any]) -> None:
+    """In the JSON schema an optional key has no default rather than null, which TOML cannot say."""
+    for entry in schema.get("properties", {}).values():
+        if "default" in entry and entry["default"] is None:
+            del entry["default"]
+
+
 class Section(BaseModel):
     """A table of the case file: no unknown keys, no text for a number, immutable."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, json_schema_extra=_without_nothing
+    )
 
 
 def key(default: Any = ..., *, unit: str = "", text: str, example: Any = None, **limits: Any) -> Any:

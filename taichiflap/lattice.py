@@ -16,6 +16,7 @@ from .beam import Modes
 from .body import AMPLITUDE, RATE, array, most_modes, pivot_velocity, zeros
 from .case import Case
 from .motion import PITCH, PITCH_RATE, PLUNGE
+from .profile import Profile
 from .runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets3, View, ti
 from .spacing import EDGE_SLOPE, NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
 from .vortex import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet
@@ -30,7 +31,7 @@ Lattice = ti.types.argpack(
     panels=Ints1,
     whole=Ints1,  # 1: the pressure counts whole panels (`loads = "panels"`)
     density=Floats1,
-    span=Floats1,
+    span=Floats2,  # mean span of every panel
     stream=Floats2,
     shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.spacing
     node=Floats3,  # nodes in wing axes, and the rate of their deflection without acceleration
@@ -59,17 +60,18 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     modes = most_modes(sections)
     node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
     shape = np.zeros((count, modes, TABLES, most + 1))
-    suction = np.zeros((count, 2))
+    suction, span = np.zeros((count, 2)), np.zeros((count, most))
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
         at, panels = spacing.stations(case), case.uvlm.panels
         node[b, Y, : panels + 1], vortex[b, Y, :panels], point[b, Y, :panels] = at.node, at.vortex, at.point
         shape[b, : section.count, :, : panels + 1] = spacing.tables(case, section.shape, section.slope)
+        span[b, :panels] = Profile.of(case.wing.span).means(at.node / case.wing.chord + case.wing.pivot)
         suction[b, FACTOR] = spacing.suction_factor(case) if case.uvlm.suction else 0.0
     return Lattice(
         panels=array([case.uvlm.panels for case in cases]),
         whole=array([int(case.uvlm.loads == "panels") for case in cases]),
         density=array([case.fluid.density for case in cases], float),
-        span=array([case.wing.span for case in cases], float),
+        span=array(span),
         stream=array([case.fluid.velocity for case in cases], float),
         shape=array(shape),
         node=array(node),
@@ -92,7 +94,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
 
 
 def nodes(case: Case) -> np.ndarray:
-    """Chordwise positions of the ends of the panels, m."""
+    """Positions of the ends of the panels along the chord, from the pivot, m."""
     return spacing.stations(case).node
 
 

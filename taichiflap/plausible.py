@@ -2,6 +2,7 @@
 
 from . import beam
 from .case import Case
+from .profile import Profile
 
 
 def warnings(case: Case) -> list[str]:
@@ -12,13 +13,17 @@ def warnings(case: Case) -> list[str]:
     if first.size and flapping and first[0] < flapping:
         found.append(
             f"the first natural frequency, {first[0]:.4g} Hz, is below the flapping frequency, "
-            f"{flapping:g} Hz: check wing.youngs_modulus and wing.thickness"
+            f"{flapping:g} Hz: check the wing's stiffness and mass"
         )
-    if case.wing.density <= case.fluid.density:
-        found.append(
-            f"the wing (wing.density = {case.wing.density:g} kg/m3) is not denser than the fluid "
-            f"(fluid.density = {case.fluid.density:g} kg/m3)"
-        )
-    if case.wing.thickness > 0.2 * case.wing.chord:
-        found.append(f"wing.thickness = {case.wing.thickness:g} m is over a fifth of the chord: no thin plate bends so")
+    if case.wing.density is not None:
+        least = Profile.of(case.wing.density).values.min()
+        if least <= case.fluid.density:
+            found.append(
+                f"the wing (wing.density = {least:g} kg/m3) is not denser than the fluid "
+                f"(fluid.density = {case.fluid.density:g} kg/m3)"
+            )
+    if case.wing.thickness is not None:
+        most = Profile.of(case.wing.thickness).values.max()
+        if most > 0.2 * case.wing.chord:
+            found.append(f"wing.thickness = {most:g} m is over a fifth of the chord: no thin plate bends so")
     return found

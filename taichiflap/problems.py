@@ -159,6 +159,10 @@ def _kind(schema: Mapping[str, Any]) -> str:
         return " or ".join(_shown(value) for value in schema["enum"])
     if schema.get("type") == "array":
         items = schema.get("prefixItems") or [schema.get("items", {})]
+        if "prefixItems" in items[0]:
+            columns = [(column["title"], _limits(column)) for column in items[0]["prefixItems"]]
+            row = ", ".join(title for title, _ in columns)
+            return f"a table [[{row}], ...] with {', '.join(f'{title} {limits}' for title, limits in columns)}"
         count = f"{len(items)} " if "prefixItems" in schema else ""
         if items[0].get("type") == "array":
             return f"a list of rows, each {_kind(items[0]).partition(', each')[0]}"
@@ -175,7 +179,7 @@ def _shown(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, str):
         return f'"{value}"' if len(value) <= 60 else f'"{value[:57]}..."'
-    text = str(list(value)) if isinstance(value, tuple) else str(value)
+    text = str(_listed(value))
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
@@ -187,3 +191,7 @@ def key_units(name: str, root: type[BaseModel]) -> tuple[str, str]:
     field = owner.model_fields[key]
     extra = field.json_schema_extra
     return str(extra.get("unit", "")) if isinstance(extra, dict) else "", field.description or ""
+
+
+def _listed(value: Any) -> Any:
+    return [_listed(item) for item in value] if isinstance(value, list | tuple) else value

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from . import profile
 from .case import Case
 from .metrics import FEWEST_BEATS, Statistic, Summary, summarise
 from .results import Result
@@ -92,9 +93,15 @@ def _model(case: Case) -> str:
 
 
 def _wing(case: Case, result: Result) -> str:
-    size = f"chord {1e3 * case.wing.chord:g} mm, span {1e3 * case.wing.span:g} mm"
+    size = f"chord {1e3 * case.wing.chord:g} mm, span {_span(case)} mm"
     frequencies = ", ".join(f"{f:.2f}" for f in result.modes.get("frequency", ()))
     return f"{size}, {f'modes at {frequencies} Hz' if frequencies else 'rigid'}"
+
+
+def _span(case: Case) -> str:
+    values = 1e3 * profile.Profile.of(case.wing.span).values
+    least, most = (f"{value:g}" for value in (values.min(), values.max()))
+    return most if least == most else f"{least} to {most}"
 
 
 def _motion(case: Case) -> str:

@@ -17,7 +17,7 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
     """Variables of the result file for some frames of a case.
 
     Args:
-        nodes: chordwise positions of the nodes, m.
+        nodes: positions of the nodes along the chord, from the pivot, m.
         motion: sampled motion at every step, shape (steps + 1, 6).
         frames: what `March.advance` returned for the case.
     """

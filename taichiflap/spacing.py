@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .case import Case
+from .profile import Profile
 
 Array = NDArray[np.float64]
 Sampler = Callable[[Array], Array]
@@ -36,7 +37,7 @@ _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 @dataclass(frozen=True)
 class Stations:
-    """Positions along the chord, m: ends of the panels, and a vortex and a control point on each."""
+    """Positions along the chord, from the pivot, m: ends of the panels, and a vortex and a control point on each."""
 
     node: Array
     vortex: Array
@@ -46,11 +47,11 @@ class Stations:
 def stations(case: Case) -> Stations:
     """Where a case's lattice sits."""
     panels, chord = case.uvlm.panels, case.wing.chord
-    number = np.arange(panels + 1)
+    number, ahead = np.arange(panels + 1), case.wing.pivot * chord
     if case.uvlm.spacing == "cosine":
-        node = chord * np.sin(0.5 * pi * number / panels) ** 2
-        return Stations(node, chord * np.sin(0.5 * pi * (number[1:] - 0.5) / panels) ** 2, node[1:])
-    node = chord * number / panels
+        node = chord * np.sin(0.5 * pi * number / panels) ** 2 - ahead
+        return Stations(node, chord * np.sin(0.5 * pi * (number[1:] - 0.5) / panels) ** 2 - ahead, node[1:])
+    node = chord * number / panels - ahead
     side = np.diff(node)
     return Stations(node, node[:-1] + TO_VORTEX * side, node[:-1] + TO_POINT * side)
 
@@ -113,4 +114,5 @@ def suction_factor(case: Case) -> float:
     With `gamma = C / sqrt(x)` near the edge the suction is `pi rho C^2 / 4` a unit span; a flat plate in a unit normal
     stream has `C^2 = 4 c` and the through-flow of `edge_factor`.
     """
-    return pi * case.fluid.density * case.wing.chord * case.wing.span / edge_factor(case) ** 2
+    span = Profile.of(case.wing.span).values[0]
+    return float(pi * case.fluid.density * case.wing.chord * span / edge_factor(case) ** 2)

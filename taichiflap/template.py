@@ -14,10 +14,13 @@ COMMENT_COLUMN = 34
 EXAMPLE: dict[str, Any] = {
     "title": "My wing",
     "motion.frequency": 25.0,
+    "wing.thickness": 40e-6,
+    "wing.density": 1000.0,
+    "wing.youngs_modulus": 24.5e9,
     "motion.plunge": {"amplitude": 0.02, "phase_deg": 90.0},
     "motion.pitch": {"amplitude_deg": 15.0, "phase_deg": 0.0, "mean_deg": 0.0},
 }
-"""Where the default is nothing to start from: a hawkmoth's stroke."""
+"""Where the default is nothing to start from: a hawkmoth's wing and stroke. Other optional keys become comments."""
 
 
 def commented_case() -> str:

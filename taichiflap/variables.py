@@ -77,8 +77,8 @@ WAKE_COUNT = Variable(("time",), "1", "number of wake vortices in the frame")
 AXES = {
     "time": Variable((), "s", "time", "t"),
     "mode": Variable((), "1", "number of the elastic mode", "k"),
-    "node": Variable((), "m", "chordwise position of the nodes, from the leading edge", "y"),
-    "panel": Variable((), "m", "chordwise position of the middles of panels or elements", "y"),
+    "node": Variable((), "m", "chordwise position of the nodes, from the pivot", "y"),
+    "panel": Variable((), "m", "chordwise position of the middles of panels or elements, from the pivot", "y"),
     "component": Variable((), "", "axis of the inertial frame"),
 }
 

@@ -24,6 +24,15 @@ def velocity(points, vortices, core2=0.0):
     return out
 
 
+def mean_span(span, left, right):
+    """Mean of a span, a number or a table, over each of some pieces of the chord: the trapezium rule on a fine grid."""
+    if not isinstance(span, tuple):
+        return np.full(len(left), span)
+    s, value = np.array(span).T
+    fine = np.linspace(left, right, 20_001)
+    return np.trapezoid(np.interp(fine, s, value), dx=1 / 20_000, axis=0)
+
+
 @dataclass
 class Oracle:
     """Marches one case; `history` holds a dictionary for each step."""
@@ -84,9 +93,10 @@ class DbetOracle(Oracle):
 
     def setup(self):
         c, e = self.case.wing, self.case.dbet.elements
-        self.y = c.chord * (np.arange(e) + 0.5) / e
+        s = (np.arange(e) + 0.5) / e
+        self.y = c.chord * (s - c.pivot)
         self.phi = self.modes.shape(self.y)
-        self.area = c.chord * c.span / e
+        self.area = c.chord / e * mean_span(c.span, s - 0.5 / e, s + 0.5 / e)
         self.mass = np.pi * self.case.fluid.density * c.chord / 4 * self.area * self.case.dbet.added_mass
 
     def blades(self, w, w_rate):
@@ -134,7 +144,8 @@ class DbetOracle(Oracle):
         normal = self.element_normal(self.v, self.a)
         axial = self.blades(self.w, self.v @ self.phi)[1]
         moment = self.y @ normal - self.w @ axial
-        force = np.array([normal.sum(), axial.sum(), moment, -self.mass * np.sum(self.rigid_accel + self.a @ self.phi)])
+        unsteady = -np.sum(self.mass * (self.rigid_accel + self.a @ self.phi))
+        force = np.array([normal.sum(), axial.sum(), moment, unsteady])
         self.history.append({"q": self.q, "a": self.a, "force": force})
 
 
@@ -147,11 +158,13 @@ class UvlmOracle(Oracle):
         fraction = np.arange(u.panels + 1) / u.panels
         if self.cosine:
             fraction = (1 - np.cos(np.pi * fraction)) / 2
-        self.nodes = c.chord * fraction
+        self.nodes = c.chord * (fraction - c.pivot)
+        self.span = mean_span(c.span, fraction[:-1], fraction[1:])
+        self.edge_span = c.span[0][1] if isinstance(c.span, tuple) else c.span
         self.phi = self.modes.shape(self.nodes)
         if self.cosine:
             middle = (np.arange(u.panels) + 0.5) / u.panels
-            self.places = c.chord * (1 - np.cos(np.pi * middle)) / 2, self.nodes[1:]
+            self.places = c.chord * ((1 - np.cos(np.pi * middle)) / 2 - c.pivot), self.nodes[1:]
         else:
             self.places = tuple((1 - s) * self.nodes[:-1] + s * self.nodes[1:] for s in (0.25, 0.75))
         self.phi_vortex, self.phi_point = (self.sample(self.modes.shape, y) for y in self.places)
@@ -276,7 +289,7 @@ class UvlmOracle(Oracle):
         n = np.arange(u.panels)
         plate = 2.0 * u.panels if self.cosine else np.prod((n + 0.75) / (n + 0.25))
         stretch = np.hypot(1.0, self.q_star @ slope)[0]
-        strength = np.pi * self.case.fluid.density * chord * self.case.wing.span * (through / plate) ** 2 * stretch
+        strength = np.pi * self.case.fluid.density * chord * self.edge_span * (through / plate) ** 2 * stretch
         self.suction = -strength * tangent[0]
 
     def control_velocity(self, v):
@@ -293,7 +306,7 @@ class UvlmOracle(Oracle):
         Steady forces at the vortices or panels, pressures of d(Phi)/dt on pieces of the wing between nodes and steps
         of the potential, spread over Gauss points of each piece.
         """
-        density = self.case.fluid.density * self.case.wing.span
+        density = (self.case.fluid.density * self.span)[:, None]
         gamma = self.circulation(v)[:-1]
         running = np.cumsum(gamma)
         change = self.rule[0] * running + self.rule[1] * self.sums[0] + self.rule[2] * self.sums[1]

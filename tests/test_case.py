@@ -28,13 +28,21 @@ BAD = [
     ("wing.span=inf", ["wing.span = inf", "number"]),
     ('wing.chord="0.02"', ['wing.chord = "0.02"', "a number"]),
     ("wing.thickness=true", ["wing.thickness = true", "a number"]),
-    ("wing.density=[1000]", ["wing.density = [1000]", "kg/m3"]),
+    ("wing.density=[1000]", ["wing.density[0] = 1000", "a table [[s, value], ...]", "kg/m3"]),
     ("wing.modes=1.5", ["wing.modes = 1.5", "a whole number"]),
     ("wing.modes=-1", ["wing.modes = -1", ">= 0"]),
     ("wing.modes=21", ["wing.modes = 21", "<= 20"]),
     ("wing.damping_ratio=-0.1", ["wing.damping_ratio = -0.1", ">= 0"]),
     ("wing.damping_ratio=[0.1, -1]", ["wing.damping_ratio[1] = -1"]),
     ("wing.damping_ratio=[]", ["wing.damping_ratio", "too few for 1 modes"]),
+    ("wing.span=[[0, 0.05], [0.5, 0.04]]", ["wing.span = [[0, 0.05], [0.5, 0.04]]", "end at s = 1"]),
+    ("wing.span=[[0, 0.05], [0.6, 0.05], [0.4, 0.05], [1, 0.05]]", ["s must increase, but 0.4 follows 0.6"]),
+    ("wing.span=[[0, 0.05], [1, -0.04]]", ["wing.span[1][1] = -0.04", "a table [[s, value], ...]"]),
+    ("wing.thickness=[[0, 0], [1, 4e-5]]", ["wing.thickness = ", "must be > 0 but at the trailing edge"]),
+    ("wing.density=[[0, 1000], [1, 0]]", ["wing.density = ", "must be > 0 everywhere"]),
+    ("wing.pivot=0.25", ["wing.pivot = 0.25", "clamped at its leading edge", "wing.modes = 0"]),
+    ("wing.pivot=7", ["wing.pivot = 7", "<= 5 chords"]),
+    ("wing.point_masses=[[0.5, 0]]", ["wing.point_masses[0][1] = 0", "kg > 0"]),
     ("motion.frequency=0", ["motion.frequency = 0", "Hz"]),
     ("motion.plunge=0.02", ["motion.plunge = 0.02", "a table"]),
     ("motion.plunge.amplitude=-1", ["motion.plunge.amplitude = -1", ">= 0"]),
@@ -75,7 +83,7 @@ def test_a_bad_setting_gets_its_message(setting, phrases):
     assert str(caught.value).startswith(str(CASES / "hawkmoth.toml"))
 
 
-@pytest.mark.parametrize(("setting", "phrases"), BAD[:42], ids=[setting for setting, _ in BAD[:42]])
+@pytest.mark.parametrize(("setting", "phrases"), BAD[:-4], ids=[setting for setting, _ in BAD[:-4]])
 def test_a_bad_file_gets_the_same_message_as_the_setting(setting, phrases, tmp_path):
     with pytest.raises(CaseError) as from_setting:
         hawkmoth(setting)
@@ -107,6 +115,38 @@ def test_a_missing_key_is_named_with_an_example(key):
         parse_case(document)
     (problem,) = caught.value.problems
     assert problem.startswith(f"{key}: missing; give a")
+
+
+@pytest.mark.parametrize(
+    ("wing", "problems"),
+    [
+        (
+            {"chord": 0.02, "span": 0.05},
+            ["thickness: missing; give a", "density: missing; give a", "youngs_modulus: missing; give a"],
+        ),
+        ({"chord": 0.02, "span": 0.05, "modes": 0}, ["thickness: missing", "density: missing"]),
+        ({"chord": 0.02, "span": 0.05, "mass_per_length": 2e-3}, ["flexural_rigidity: missing; give a"]),
+        (
+            {"chord": 0.02, "span": 0.05, "mass_per_length": 2e-3, "flexural_rigidity": 1e-6, "density": 1e3},
+            ["density = 1000.0: give either thickness, density and youngs_modulus, or mass_per_length and"],
+        ),
+        ({"chord": 0.02, "span": 0.05, "flexural_rigidity": 1e-6}, ["flexural_rigidity = 1e-06: needs mass_per_len"]),
+    ],
+)
+def test_a_wing_is_of_a_material_or_measured(wing, problems):
+    with pytest.raises(CaseError) as caught:
+        parse_case(GOOD | {"wing": wing})
+    assert len(caught.value.problems) == len(problems)
+    for problem, start in zip(caught.value.problems, problems, strict=True):
+        assert problem.startswith(f"wing.{start}")
+
+
+def test_a_rigid_wing_needs_no_stiffness():
+    for given in ({"mass_per_length": 2e-3}, {"thickness": 4e-5, "density": 1e3}):
+        case = parse_case(GOOD | {"wing": {"chord": 0.02, "span": 0.05, "modes": 0} | given})
+        assert parse_case(tomllib.loads(case.to_toml())) == case
+        with pytest.raises(CaseError, match="missing"):
+            case.override("wing.modes=1")
 
 
 def test_all_problems_are_reported_at_once():
@@ -191,6 +231,9 @@ def test_the_template_is_a_valid_case_that_names_every_key():
         ("wing.youngs_modulus=1e9", "below the flapping frequency"),
         ("wing.density=1.0", "not denser than the fluid"),
         ("wing.thickness=0.01", "over a fifth of the chord"),
+        ("wing.thickness=[[0, 0.01], [1, 0]]", "wing.thickness = 0.01 m is over a fifth of the chord"),
+        ("wing.density=[[0, 1000], [1, 1]]", "wing.density = 1 kg/m3"),
+        ("wing.youngs_modulus=[[0, 2e9], [1, 1e9]]", "below the flapping frequency"),
     ],
 )
 def test_implausible_cases_are_warned_about(setting, phrase):

@@ -10,6 +10,7 @@ from taichiflap.body import AXIAL, NORMAL, UNSTEADY
 from taichiflap.march import March
 from taichiflap.runtime import view
 
+GRADED = ("wing.span=[[0, 0.05], [0.5, 0.06], [1, 0]]", "wing.thickness=[[0, 60e-6], [1, 20e-6]]")
 SHORT = ("solver=dbet", "dbet.elements=11", "time.periods=1", "time.steps_per_period=40")
 
 
@@ -25,6 +26,8 @@ SHORT = ("solver=dbet", "dbet.elements=11", "time.periods=1", "time.steps_per_pe
             "wing.damping_ratio=[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]",
             "motion.pitch.mean_deg=30",
         ),
+        ("wing.modes=2", *GRADED),
+        ("wing.modes=0", "wing.pivot=0.3", *GRADED[:1]),
     ],
 )
 def test_matches_an_independent_march(settings):
@@ -49,6 +52,12 @@ def test_a_still_wing_is_dragged_along_by_any_stream(stream_deg):
     drag = 2.2 - 1.8 * np.cos(2 * alpha)
     expected = 0.5 * 1.225 * drag * 3.0 * 0.02 * 0.05 * stream
     np.testing.assert_allclose([force[AXIAL], force[NORMAL]], expected, rtol=1e-12)
+
+
+def test_a_pointed_wing_feels_the_load_of_its_area():
+    case = hawkmoth(*SHORT, "wing.modes=0", "motion.pitch.amplitude_deg=0.0")
+    whole, pointed = (march(one)[0].force for one in (case, case.override("wing.span=[[0, 0.05], [1, 0]]")))
+    np.testing.assert_allclose(pointed[:, NORMAL], 0.5 * whole[:, NORMAL], rtol=1e-12, atol=1e-18)
 
 
 def test_rigid_added_mass_is_its_closed_form():

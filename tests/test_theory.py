@@ -10,7 +10,7 @@ from conftest import hawkmoth, march
 from scipy.special import hankel2
 
 from taichiflap import theory
-from taichiflap.body import NORMAL
+from taichiflap.body import MOMENT, NORMAL
 from taichiflap.sections.uvlm import Uvlm
 from taichiflap.studies import stream
 from taichiflap.studies.checks import run
@@ -116,3 +116,20 @@ def test_suction_gives_garricks_thrust(name, k):
     lean = 0.5 * stream.SMALL * abs(theory.oscillating_loads(k, **stream.MOTIONS[name])[0])
     assert abs(thrust - exact) < 0.02 * lean
     assert abs(exact - theory.mean_thrust(k, **stream.MOTIONS[name], suction=False)) > 0.2 * lean
+
+
+@pytest.mark.parametrize(("k", "pivot"), [(0.1, 0.25), (1.0, 0.25), (0.5, 0.5)])
+def test_theodorsen_in_pitch_about_a_pivot(k, pivot):
+    omega, amplitude = 2 * k / CHORD, np.radians(0.05)
+    case = hawkmoth(
+        *STREAM[:3], "motion.plunge.amplitude=0.0", f"motion.pitch.amplitude_deg={np.degrees(amplitude)}",
+        "motion.pitch.phase_deg=180.0", f"motion.frequency={omega / (2 * np.pi)}", "time.periods=4", "uvlm.panels=50",
+        "uvlm.shedding=local", f"wing.pivot={pivot}",
+    )  # fmt: skip
+    frames, _ = march(case)
+    turn = np.exp(-1j * omega * frames.step[-200:] * case.step) / (0.5 * DENSITY * CHORD * SPAN)
+    lift = 2 * np.mean(frames.force[-200:, NORMAL] * turn)
+    nose_up = -2 * np.mean(frames.force[-200:, MOMENT] * turn) / CHORD
+    exact = theory.oscillating_loads(k, pitch=-1j * amplitude, axis=pivot)
+    assert abs(lift / exact[0] - 1) < 0.02
+    assert abs(nose_up - exact[1]) < 0.01 * abs(exact[0])  # the force acts within 1 % of the chord of where it should

@@ -64,6 +64,16 @@ def test_velocity_of_the_nodes_is_that_of_their_positions(run):
     assert np.abs(now.velocity - measured).max() < 0.01 * np.abs(measured).max()
 
 
+def test_a_wing_that_pivots_behind_its_leading_edge():
+    case = hawkmoth("time.periods=1", "wing.modes=0", "wing.pivot=0.3", "solver=dbet")
+    run = Run(taichiflap.simulate(case), "pivot")
+    before, now, after = (run.frame(index) for index in (49, 50, 51))
+    np.testing.assert_allclose(now.chord, now.nodes[[0, -1]], atol=1e-6)
+    measured = (after.nodes - before.nodes) * run.chord / (2.0 * case.step)
+    assert np.abs(now.velocity - measured).max() < 0.01 * np.abs(measured).max()
+    run.close()
+
+
 def test_frames_are_read_one_at_a_time(run, monkeypatch):
     monkeypatch.setattr(type(run.result), "__getattr__", lambda self, name: pytest.fail(f"{name} was read whole"))
     assert run.frame(17).index == 17

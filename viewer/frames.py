@@ -245,7 +245,7 @@ class Run:
             index=index,
             beats=index / self.frames_per_beat,
             nodes=_on_screen(nodes[:, 0], nodes[:, 1], scale),
-            chord=np.stack((pivot, pivot + along)),
+            chord=pivot + np.outer((-self.case.wing.pivot, 1.0 - self.case.wing.pivot), along),
             axes=np.stack((along, across)),
             pressure=result.frame("pressure_jump", index),
             shear=self._field("shear", index),

@@ -31,11 +31,12 @@ from ..body import (
 )
 from ..case import Case
 from ..motion import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from ..profile import Profile
 from ..runtime import Floats1, Floats2, Ints1, Octet, Octets3, Singles3, View, ti
 from ..vortex import TINY
 
 POSITION, AREA, R_Z, E_Y, W_RATE, NORMAL_TRACTION, SLOPE, ACCELERATION, PRESSURE, SHEAR = range(10)
-"""Rows of the elements: position along the chord and area (none where a batch pads); rigid part of u_z and elastic
+"""Rows of the elements: distance behind the pivot and area (none where a batch pads); rigid part of u_z and elastic
 part of u_y; expected elastic part of u_z, with it the force per area along -e_z and its derivative by u_z; the
 acceleration along e_z (Eq. 7) without the modal part; and the force per area along e_z and e_y."""
 
@@ -65,9 +66,9 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]
     shape = np.zeros((count, most_modes(sections), most))
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
         n = case.dbet.elements
-        y = case.wing.chord * (np.arange(n) + 0.5) / n
+        y = middles(case)
         element[b, POSITION, :n] = y
-        element[b, AREA, :n] = case.wing.chord * case.wing.span / n
+        element[b, AREA, :n] = areas(case)
         shape[b, : section.count, :n] = section.shape(y)
     density = np.array([case.fluid.density for case in cases])
     chord = np.array([case.wing.chord if case.dbet.added_mass else 0.0 for case in cases])
@@ -98,8 +99,20 @@ def trim(frames: dict[str, np.ndarray], case: Case) -> dict[str, np.ndarray]:
 
 
 def nodes(case: Case) -> np.ndarray:
-    """Chordwise positions of the ends of the elements, m."""
-    return case.wing.chord * np.arange(case.dbet.elements + 1) / case.dbet.elements
+    """Positions of the ends of the elements along the chord, from the pivot, m."""
+    return case.wing.chord * np.arange(case.dbet.elements + 1) / case.dbet.elements - case.wing.pivot * case.wing.chord
+
+
+def middles(case: Case) -> np.ndarray:
+    """Positions of the middles of the elements along the chord, from the pivot, m."""
+    count = case.dbet.elements
+    return case.wing.chord * (np.arange(count) + 0.5) / count - case.wing.pivot * case.wing.chord
+
+
+def areas(case: Case) -> np.ndarray:
+    """Areas of the elements, m^2."""
+    count = case.dbet.elements
+    return case.wing.chord * Profile.of(case.wing.span).means(np.arange(count + 1) / count) / count
 
 
 def work(case: Case, step: int) -> float:

@@ -83,11 +83,11 @@ def load_modes(body: View, flow: View, b, rule):
     steady part; with "panels" it counts a panel's own Gamma all over it, and the steady part acts at its middle.
     """
     modes = body.modes[b]
-    scale = -flow.density[b] * flow.span[b]
     for column in range(modes + 1):
         running = 0.0
         change_ahead = 0.0
         for i in range(flow.panels[b]):
+            scale = -flow.density[b] * flow.span[b, i]
             circulation = flow.solution[b, column, i]
             running += circulation
             change = rule[C0] * running
@@ -141,8 +141,8 @@ def circulate(body: View, flow: View, wakes: View, b, rule):
     total_unsteady = 0.0
     running = 0.0
     change_ahead = 0.0
-    scale = -flow.density[b] * flow.span[b]
     for i in range(flow.panels[b]):
+        scale = -flow.density[b] * flow.span[b, i]
         circulation = circulation_at(body, flow, body.q, b, i)
         running += circulation
         change = rule[C0] * running + rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
@@ -165,7 +165,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule):
         total_moment += steady * (y_act * along + z_act * across)
         inner, middle, outer = y_0 * y_0 + z_0 * z_0, y_step * y_step + z_step * z_step, y_1 * y_1 + z_1 * z_1
         total_moment += 0.5 * scale * (change_ahead * (middle - inner) + change * (outer - middle))
-        flow.pressure[b, i] = normal / (flow.span[b] * (y_1 - y_0))
+        flow.pressure[b, i] = normal / (flow.span[b, i] * (y_1 - y_0))
         change_ahead = change
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.total[b] - running
     flow.total[b] = running

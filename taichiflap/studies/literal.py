@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from .. import beam, motion
 from ..case import Case
+from ..fluids import dbet
 from ..metrics import harmonic, settled_beats
 from ..motion import PITCH, PITCH_RATE, PLUNGE_RATE
+from ..profile import Profile
 from ..results import Result
 
 Array = NDArray[np.float64]
@@ -53,7 +55,7 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
         angle = np.broadcast_to(angle[:, middle : middle + 1], angle.shape)
     sine, cosine = np.sin(angle), np.cos(angle)
     model = case.dbet
-    pressure = 0.5 * case.fluid.density * (across**2 + along**2) * case.wing.chord * case.wing.span / model.elements
+    pressure = 0.5 * case.fluid.density * (across**2 + along**2) * dbet.areas(case)
     lift = pressure * model.lift_max * np.sin(2.0 * angle)
     drag = pressure * (model.drag_min * cosine**2 + model.drag_max * sine**2)
     axial = drag * cosine - lift * (cosine if cosines else sine)
@@ -64,7 +66,7 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
 
 def _velocities(case: Case, result: Result, frames: NDArray[np.intp]) -> tuple[Array, Array]:
     """`u_z` and `u_y` (Eq. 6) of every element at its middle, m/s, shape (frames, elements)."""
-    y = case.wing.chord * (np.arange(case.dbet.elements) + 0.5) / case.dbet.elements
+    y = dbet.middles(case)
     moved = motion.sample(case.motion, result.time[frames])[:, :, None]
     across = moved[:, PLUNGE_RATE] * np.cos(moved[:, PITCH]) + y * moved[:, PITCH_RATE]
     along = moved[:, PLUNGE_RATE] * np.sin(moved[:, PITCH]) + 0.0 * y
@@ -86,7 +88,7 @@ def whole_panels(result: Result) -> tuple[complex, complex]:
     own = np.sum([result.frame("panel_circulation", int(n)) for n in range(result.frames)], axis=1, dtype=float)
     growth = np.zeros_like(own)
     growth[2:] = (1.5 * own[2:] - 2.0 * own[1:-1] + 0.5 * own[:-2]) / dt
-    excess = -case.fluid.density * case.wing.span * size * 0.25 * growth
+    excess = -case.fluid.density * Profile.of(case.wing.span).mean * size * 0.25 * growth
     printed = harmonic(case, result.time[frames], result.force_normal[frames])
     return printed, printed - harmonic(case, result.time[frames], excess[frames])
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 from .. import beam
+from ..profile import Profile
 from . import paper
 from .measured import Measured
 from .paper import DENSITY_OF_THE_ROW, TABLE_5
@@ -83,7 +84,8 @@ def _third(runs: Runs) -> Verdict:
     share = blades.third_share(TIP)
     case = blades.case
     dry, order = beam.modes(case.wing).frequency[0], 3.0 / case.beat
-    mass_ratio = math.pi * case.fluid.density * case.wing.chord / (4.0 * case.wing.density * case.wing.thickness)
+    area = case.wing.chord * Profile.of(case.wing.span).mean
+    mass_ratio = math.pi * case.fluid.density * case.wing.chord * area / (4.0 * beam.modes(case.wing).mass)
     wet = dry / math.sqrt(1.0 + mass_ratio)
     tried = []
     for name, more in (

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from .. import motion
 from ..case import Case
 from ..motion import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
+from ..profile import Profile
 
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
@@ -34,7 +35,7 @@ def fly(case: Case, *, still: bool = False, heard: int | None = None) -> Flight:
     kept = case.steps + 1 if case.uvlm.wake == "all" else case.uvlm.wake
     bound, control = ((np.arange(panels) + place) * size for place in (0.25, 0.75))
     shed = chord * (1.0 + case.uvlm.shedding_distance)
-    strength = case.fluid.density * case.wing.span
+    strength = case.fluid.density * Profile.of(case.wing.span).mean
     time: Array = case.step * np.arange(case.steps + 1, dtype=np.float64)
     moved = motion.sample(case.motion, time)
     # No penetration at every control point, and no change of all circulation (Eq. 31): it never changes.

@@ -18,10 +18,20 @@ PER_CENT = 100.0
 ALL_MODES = 5
 
 
+CHORD, SPAN, THICKNESS, DENSITY, YOUNGS_MODULUS = 0.02, 0.05, 40e-6, 1000.0, 24.5e9
+"""The paper's wing, SI units."""
+
+
 def hawkmoth(*settings: str) -> Case:
     """The wing and motion of Reade & Jankauski (2020), Tables 1 and 2, with the solver's own defaults."""
     document = {
-        "wing": {"chord": 0.02, "span": 0.05, "thickness": 40e-6, "density": 1000.0, "youngs_modulus": 24.5e9},
+        "wing": {
+            "chord": CHORD,
+            "span": SPAN,
+            "thickness": THICKNESS,
+            "density": DENSITY,
+            "youngs_modulus": YOUNGS_MODULUS,
+        },
         "motion": {
             "frequency": 25.0,
             "plunge": {"amplitude": 0.02, "phase_deg": 90.0},
@@ -35,9 +45,9 @@ def modes() -> Check:
     """Frequencies, modal constants and normality of the section's modes."""
     wing = hawkmoth(f"wing.modes={ALL_MODES}").wing
     section = beam.modes(wing)
-    exact = theory.cantilever_frequencies(ALL_MODES, wing.chord, wing.thickness, wing.density, wing.youngs_modulus)
+    exact = theory.cantilever_frequencies(ALL_MODES, CHORD, THICKNESS, DENSITY, YOUNGS_MODULUS)
     roots = theory.cantilever_roots(ALL_MODES)
-    mass = wing.density * wing.thickness * wing.chord * wing.span
+    mass = DENSITY * THICKNESS * CHORD * SPAN
     rows = [
         Row.relative(f"frequency of mode {k + 1}, Hz", section.frequency[k], exact[k], 1e-8) for k in range(ALL_MODES)
     ]
@@ -77,7 +87,7 @@ def wet_frequency(panels: Sequence[int] = (12, 25, 50, 100)) -> Check:
     )  # fmt: skip
     first = hawkmoth("wing.modes=1")
     section = beam.modes(first.wing)
-    air = first.fluid.density * first.wing.chord**2 * first.wing.span / section.mass
+    air = first.fluid.density * CHORD**2 * SPAN / section.mass
     root = theory.cantilever_roots(1)[0]
     sheet = theory.added_mass([lambda x: theory.cantilever_shape(root, x)]) * air
     plate = theory.wet_frequencies(section.frequency, sheet)[0]

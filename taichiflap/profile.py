@@ -1,0 +1,47 @@
+"""A property along the chord: one number, or a table over s = y/chord that is linear between its entries."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A continuous, piecewise linear function of s from 0, the leading edge, to 1.
+
+    Attributes:
+        s: where its slope may change, increasing from 0 to 1.
+        values: its values there.
+    """
+
+    s: Array
+    values: Array
+
+    @classmethod
+    def of(cls, given: float | Sequence[Sequence[float]]) -> "Profile":
+        """From what a case file gives: a number, or a table [[s, value], ...]."""
+        table = [(0.0, given), (1.0, given)] if isinstance(given, int | float) else given
+        s, values = np.array(table, dtype=np.float64).T
+        return cls(s, values)
+
+    def __call__(self, s: Array) -> Array:
+        """Values at `s`, of the same shape."""
+        return np.asarray(np.interp(s, self.s, self.values))
+
+    @property
+    def mean(self) -> float:
+        """Mean over the chord."""
+        return float(self.means(np.array([0.0, 1.0]))[0])
+
+    def means(self, edges: Array) -> Array:
+        """Exact means over the intervals between `edges` (increasing, in [0, 1]): one fewer than edges."""
+        if np.all(self.values == self.values[0]):
+            return np.full(len(edges) - 1, self.values[0])
+        area = np.concatenate(([0.0], np.cumsum(np.diff(self.s) * 0.5 * (self.values[1:] + self.values[:-1]))))
+        left = np.clip(np.searchsorted(self.s, edges, side="right") - 1, 0, len(self.s) - 2)
+        to_edge = area[left] + (edges - self.s[left]) * 0.5 * (self.values[left] + self(edges))
+        return np.diff(to_edge) / np.diff(edges)
