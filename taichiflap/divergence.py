@@ -5,8 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from . import motion
 from .beam import Modes
 from .case import Case
+from .motion import PITCH_RATE
+from .profile import Profile
 
 RUNAWAY = 10.0
 """Deflection, in chords, that no mode may reach alone: a linear beam bends by a fraction of one."""
@@ -25,7 +28,7 @@ def reason(case: Case, section: Modes, step: int, now: NDArray[np.float64], befo
         step: the step at which it stopped.
         now, before: modal amplitudes at that step and at the one before, shape (modes,).
     """
-    when = f"at step {step} (t = {step * case.step:.4g} s, beat {step // case.time.steps_per_period + 1})"
+    when = f"at step {step} (t = {step * case.step:.4g} s, beat {int(step // case.steps_per_beat) + 1})"
     tip = section.shape([case.wing.chord])[:, 0]
     if section.count and np.isfinite(now).all() and np.any(np.abs(now) > limits(section)):
         what = f"the deflection ran away {when}, to {_chords(float(tip @ now), case)}"
@@ -42,20 +45,25 @@ def _chords(deflection: float, case: Case) -> str:
 def _cures(case: Case, section: Modes) -> list[str]:
     """What may help, the likeliest first."""
     found = []
-    pitch_rate = 2.0 * math.pi * case.motion.frequency * math.radians(abs(case.motion.pitch.amplitude_deg))
+    moved = motion.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
+    pitch_rate = float(np.abs(moved[:, PITCH_RATE]).max())
     if section.count and pitch_rate > section.omega[0]:
         stiffer = "a larger wing.youngs_modulus or wing.thickness"
         found.append(f"{stiffer} (the wing pitches at up to {pitch_rate:.3g} rad/s, faster than its first mode)")
     if section.count and case.step * section.omega[-1] > 1.0:
         found.append("fewer wing.modes (the highest moves by more than a radian in a step)")
-    if section.count and _mass_ratio(case) > 1.0:
+    mass_ratio = _mass_ratio(case, section)
+    if section.count and mass_ratio > 1.0:
         heavier = "a smaller fluid.density or a larger wing.density"
-        found.append(f"{heavier} (the fluid that moves with the wing weighs {_mass_ratio(case):.3g} times the wing)")
+        found.append(f"{heavier} (the fluid that moves with the wing weighs {mass_ratio:.3g} times the wing)")
     if case.solver == "uvlm" and not case.uvlm.core:
         found.append("a uvlm.core such as 0.02 (a vortex may have come too close to the wing)")
-    return [*found, f"more time.steps_per_period than {case.time.steps_per_period}"]
+    if case.time.periods is None:
+        return [*found, f"a time.step smaller than {case.step:.3g} s"]
+    return [*found, f"more time.steps_per_period than {case.steps_per_beat:g}"]
 
 
-def _mass_ratio(case: Case) -> float:
+def _mass_ratio(case: Case, section: Modes) -> float:
     """Added mass of a flat plate over the wing's own."""
-    return math.pi * case.fluid.density * case.wing.chord / (4.0 * case.wing.density * case.wing.thickness)
+    area = case.wing.chord * Profile.of(case.wing.span).mean
+    return math.pi * case.fluid.density * case.wing.chord * area / (4.0 * section.mass)
