@@ -6,7 +6,7 @@ PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: hawkmoth view test test-fast browser lint bench bench-view clean
+.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test clean
 
 hawkmoth: .venv/.run  ## set up and run the main job
 	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
@@ -45,9 +45,12 @@ bench: .venv/.dev  ## speed, as ratios within one run
 bench-view: .venv/.dev  ## the viewer: time a frame, ten browsers, a large file
 	$(BIN)/python benchmarks/view.py
 
+crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, and look at what they leave
+	$(BIN)/python tests/crash.py 100
+
 clean:  ## remove the environment and what runs left here
 	rm -rf .venv *.egg-info build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
-	rm -f *.h5 *.h5.part
+	rm -f *.h5 *.h5.part *.h5.state
 
 .venv/bin/python:
 	@test -n "$(PYTHON)" || { echo "taichiflap needs Python 3.11, 3.12 or 3.13; found none of $(CANDIDATES)"; exit 1; }

@@ -1,9 +1,11 @@
 """The result file: other people's readers, streaming, crashes, and refusals in one sentence."""
 
 import contextlib
+import random
 import subprocess
 import sys
 
+import crash
 import h5py
 import numpy as np
 import pytest
@@ -362,3 +364,11 @@ def test_the_numbers_of_a_file_that_is_written_are_nan_until_they_are_known(tmp_
     ):
         assert result.frames == 100
         assert not wake["count"][100:].any()
+
+
+@pytest.mark.slow
+def test_kills_at_random_moments_lose_nothing(tmp_path):
+    """A few of what `make crash-test` does a hundred times."""
+    rng = random.Random(20201122)
+    crash.crash_runs(2, rng, tmp_path)
+    crash.crash_exports(1, rng, tmp_path)
