@@ -7,7 +7,6 @@ import numpy as np
 
 from taichiflap.variables import VARIABLES
 
-from . import wire
 from .colours import Theme, css
 from .frames import Array, Run
 from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback, beat_span
@@ -76,7 +75,7 @@ class Charts:
         fresh = self._load(playback, again)
         for quantity in self.quantities:
             handle = self.handles[quantity.name]
-            wire.send(handle, data=self._data(quantity, playback.frame))
+            handle.data = self._data(quantity, playback.frame)
             if fresh:
                 handle.scales = self._scales(quantity)
 

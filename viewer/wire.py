@@ -10,13 +10,14 @@ import viser
 
 
 def send(handle: Any, **values: Any) -> None:
-    """Give a node of the scene, or an element beside it, new values in one message.
+    """Give a node of the scene new values in one message.
 
     Arrays have the type that viser keeps, and never change afterwards. The way in is private to viser: a version
     without it gets the values one by one, at a higher cost.
     """
     try:
-        queue, message = _way(handle, values)
+        queue = handle._impl.api._queue_scene_message
+        message = viser._messages.SceneNodeUpdateMessage(handle._impl.name, values)
     except (AttributeError, TypeError):
         for name, value in values.items():
             setattr(handle, name, value)
@@ -32,10 +33,3 @@ def run(client: Any, script: str) -> bool:
     except (AttributeError, TypeError):
         return False
     return True
-
-
-def _way(handle: Any, values: dict[str, Any]) -> tuple[Any, Any]:
-    inner = handle._impl
-    if isinstance(handle, viser.SceneNodeHandle):
-        return inner.api._queue_scene_message, viser._messages.SceneNodeUpdateMessage(inner.name, values)
-    return inner.gui_api._websock_interface.queue_message, viser._messages.GuiUpdateMessage(inner.uuid, values)
