@@ -3,22 +3,33 @@
 import numpy as np
 import pytest
 from conftest import CASES, hawkmoth
+from taichiflap_viewer.frames import Run
 
 import taichiflap
 
 pytestmark = pytest.mark.slow
 
-PEAK_TIP_MM = {"hawkmoth": 7.80, "hawkmoth_dbet": 7.613}
+NUMBERS = {
+    "hawkmoth": ("tip_peak", 7.80e-3),
+    "hawkmoth_dbet": ("tip_peak", 7.613e-3),
+    "fruitfly": ("force_vertical", 3.72e-6),
+    "graded_wing": ("force_vertical", 0.00544),
+    "soft_wing": ("tip_peak", 8.23e-3),
+}
 
 
 def test_every_case_has_its_number():
-    assert {file.stem for file in CASES.glob("*.toml")} == set(PEAK_TIP_MM)
+    assert {file.stem for file in CASES.glob("*.toml")} == set(NUMBERS)
 
 
-@pytest.mark.parametrize("name", PEAK_TIP_MM)
+@pytest.mark.parametrize("name", NUMBERS)
 def test_case(name):
-    summary = taichiflap.summarise(taichiflap.simulate(taichiflap.load_case(CASES / f"{name}.toml")))
-    assert 1e3 * summary.tip_peak.mean == pytest.approx(PEAK_TIP_MM[name], rel=0.01)
+    quantity, expected = NUMBERS[name]
+    result = taichiflap.simulate(taichiflap.load_case(CASES / f"{name}.toml"))
+    assert getattr(taichiflap.summarise(result), quantity).mean == pytest.approx(expected, rel=0.02)
+    run = Run(result, name)
+    assert np.isfinite(run.frame(result.frames - 1).nodes).all()
+    run.close()
 
 
 @pytest.mark.parametrize(
