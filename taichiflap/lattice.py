@@ -194,7 +194,7 @@ def wash_panels(body: View, flow: View, wakes: View, b, n):
     for block in range((flow.panels[b] + 7) // 8):
         y = octet(flow.control, b, Y, 8 * block)
         z = octet(flow.control, b, Z, 8 * block)
-        u_y, u_z = induce(y, z, TINY, wakes.vortex, b, wakes.ring[b, COUNT])
+        u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
         store_octet(flow.wash, b, Y, 8 * block, cosine * u_y + sine * u_z)
         store_octet(flow.wash, b, Z, 8 * block, cosine * u_z - sine * u_y)
 
@@ -276,8 +276,8 @@ def expect_circulation(body: View, flow: View, wakes: View, b):
 @ti.func
 def induced(flow: View, wakes: View, y, z, b):
     """Velocity at eight places (Y, Z) from the wake and from all bound vortices but one that stands there."""
-    w_y, w_z = induce(y, z, TINY, wakes.vortex, b, wakes.ring[b, COUNT])
-    b_y, b_z = induce(y, z, TINY, flow.bound, b, flow.panels[b])
+    w_y, w_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
+    b_y, b_z = induce(y, z, TINY, flow.bound, b, 0, flow.panels[b])
     return w_y + b_y, w_z + b_z
 
 

@@ -17,7 +17,9 @@ A fluid model is a module that has
 - `work(case, step)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
 - `prepare(batch, b, n, rule)`: fills `body.load` and `body.response`, which come zeroed;
 - `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
-- `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding.
+- `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding;
+- if it likes, `ahead(cases, groups, threads)`: what is called with every step n from `ahead.first` on, to do
+  beforehand on all threads what one case's thread would be long at.
 """
 
 import functools
@@ -32,10 +34,15 @@ from . import body as bodies
 from .body import ACCEL, AMPLITUDE, BETA, C0, C1, C2, COSINE, DAMPING, LAMBDA, LIMIT, PSI, RATE, STIFFNESS, Body
 from .case import Case
 from .motion import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
-from .runtime import LANE, Floats3, Floats4, View, start, tasks, ti, view
+from .runtime import LANE, Floats3, Floats4, Ints1, View, start, tasks, ti, view
 
 Track = ti.types.argpack(q=Floats4, modal_force=Floats3, force=Floats3)
 """What every case leaves a frame: (case, frame, 3, mode), (case, frame, mode) and (case, frame, 4)."""
+
+
+FIRST, LAST, OPENING, CASES, LANES = range(5)
+"""Entries of a launch: the first step and the one after the last, the first step of the frames' block, and how many
+cases are dealt out among how many lanes. In an array, since Taichi counts 64 arguments with all arrays in them."""
 
 
 @ti.func
@@ -138,7 +145,7 @@ def kernel(fluid: ModuleType, film: bool = True) -> Any:
     Batch = ti.types.argpack(body=Body, track=Track, **groups)
 
     @ti.func
-    def march_case(batch: View, b, first, last):
+    def march_case(batch: View, b, first, last, opening):
         every = batch.body.every[b]
         for n in range(first, ti.min(last, batch.body.steps[b] + 1)):
             if batch.body.failed[b] < 0:
@@ -150,17 +157,17 @@ def kernel(fluid: ModuleType, film: bool = True) -> Any:
                 if has_diverged(batch.body, b):
                     batch.body.failed[b] = n
                 if n % every == 0:
-                    frame = n // every - (first + every - 1) // every
+                    frame = n // every - (opening + every - 1) // every
                     track_frame(batch.body, batch.track, b, frame)
                     if ti.static(film):
                         fluid.record(batch, b, frame)
 
     @ti.kernel
-    def march(batch: Batch, first: ti.i32, last: ti.i32, cases: ti.i32, lanes: ti.i32):  # type: ignore[valid-type]
-        for i in range(lanes * LANE):
+    def march(batch: Batch, launch: Ints1):  # type: ignore[valid-type]
+        for i in range(launch[LANES] * LANE):
             if i % LANE == 0:
-                for m in range((cases - i // LANE + lanes - 1) // lanes):
-                    march_case(batch, i // LANE + m * lanes, first, last)
+                for m in range((launch[CASES] - i // LANE + launch[LANES] - 1) // launch[LANES]):
+                    march_case(batch, i // LANE + m * launch[LANES], launch[FIRST], launch[LAST], launch[OPENING])
 
     return Batch, march
 
@@ -186,6 +193,8 @@ class March:
         self.steps = max(case.steps for case in self.cases)
         self.next_step = 0
         self._filming = film
+        ahead = getattr(fluid, "ahead", None)
+        self._ahead = ahead(self.cases, self.groups, threads) if ahead else None
         self._lanes = tasks(len(self.cases), threads)
         self._room = 0
 
@@ -206,7 +215,7 @@ class March:
         """
         first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
         self._make_room(max(1, *(len(self._frames(case, first, last)) for case in self.cases)))
-        self._kernel(self._batch, first, last, len(self.cases), self._lanes)
+        self._march(first, last)
         self.next_step = last
         return self._collect(first, last)
 
@@ -235,6 +244,17 @@ class March:
                 shared = tuple(map(slice, np.minimum(values.shape, state[name].shape)))
                 values[shared] = state[name][shared]
         self.next_step = next_step
+    def _march(self, first: int, last: int) -> None:
+        """Many steps in one launch, but for those before which a fluid model puts all threads to one case."""
+        alone = max(first, min(last, self._ahead.first)) if self._ahead else last
+        self._launch(first, alone, first)
+        for n in range(alone, last):
+            if self._ahead:
+                self._ahead(n)
+            self._launch(n, n + 1, first)
+
+    def _launch(self, first: int, last: int, opening: int) -> None:
+        self._kernel(self._batch, np.array([first, last, opening, len(self.cases), self._lanes], dtype=np.int32))
 
     def failures(self) -> np.ndarray:
         """The step at which each case diverged, or -1."""

@@ -34,8 +34,8 @@ def store_octet(x: View, b, axis, first, value):
 
 
 @ti.func
-def induce(y, z, core2, vortices: View, b, count):
-    """Velocity (m/s) at eight points `y`, `z` of squared cores `core2` from the first `count` vortices of case `b`.
+def induce(y, z, core2, vortices: View, b, first, last):
+    """Velocity (m/s) at eight points `y`, `z` of squared cores `core2` from vortices `first` to `last - 1` of case `b`.
 
     `vortices` has shape (case, 4, vortex); `core2` is at least `TINY`, the core of a bare point. Eight targets at a
     time fill the vector unit without reordering any sum, so the result is independent of the machine's vector width,
@@ -43,7 +43,7 @@ def induce(y, z, core2, vortices: View, b, count):
     """
     u_y = Octet(0.0)
     u_z = Octet(0.0)
-    for j in range(count):
+    for j in range(first, last):
         dy = y - vortices[b, Y, j]
         dz = z - vortices[b, Z, j]
         strength = vortices[b, CIRCULATION, j] / (dy * dy + dz * dz + (core2 + vortices[b, CORE2, j]))
@@ -61,7 +61,7 @@ def _induce_everywhere(points: Floats3, velocity: Floats3, vortices: Floats3, la
                 first = 8 * (lane + m * lanes)
                 y = octet(points, 0, Y, first)
                 z = octet(points, 0, Z, first)
-                u_y, u_z = induce(y, z, TINY, vortices, 0, vortices.shape[2])
+                u_y, u_z = induce(y, z, TINY, vortices, 0, 0, vortices.shape[2])
                 store_octet(velocity, 0, Y, first, u_y)
                 store_octet(velocity, 0, Z, first, u_z)
 

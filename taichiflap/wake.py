@@ -11,20 +11,23 @@ import numpy as np
 
 from .body import array, zeros
 from .case import Case
-from .runtime import Floats1, Floats2, Floats3, Ints2, View, ti
+from .runtime import Floats2, Floats3, Ints2, View, ti
 from .spacing import SHARE
 from .vortex import CIRCULATION, CORE2, TINY, Y, Z, induce, octet, store_octet
 
 LEAST_TRAVEL = 2e-4
 """Least distance, in chords, of a new vortex behind the trailing edge: at stroke reversal the travel vanishes."""
 
-KEEP, COUNT, OLDEST, YOUNGEST = range(4)
-"""Entries of a ring: its size, how many vortices it holds, and the places of the first and last shed."""
+KEEP, COUNT, OLDEST, YOUNGEST, CARRIED = range(5)
+"""Entries of a ring: its size, how many vortices it holds, the places of the first and last shed, and the
+step for which the velocities are known beforehand."""
 
 ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH = range(5)
 """Settings of a wake: where new vortices stand on the trailing edge's path during a step (0: at a fixed distance);
 that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
 (Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start)."""
+DROPPED, FAR_ERROR = range(2)
+"""Columns of the tally: circulation of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
 BEFORE = 2
 """First row of the velocities one step earlier."""
 
@@ -34,7 +37,7 @@ Wake = ti.types.argpack(
     vortex=Floats3,  # (case, 4, place), see taichiflap.vortex
     velocity=Floats3,  # (case, 4, place): that of the vortices in the last step, and one step earlier
     birth=Ints2,  # step of shedding
-    dropped=Floats1,  # circulation of the vortices given up
+    tally=Floats2,
 )
 
 
@@ -43,12 +46,12 @@ def allocate(cases: Sequence[Case]) -> Any:
     keep = [ring_size(case) for case in cases]
     count, most = len(cases), -(-max(keep) // 8) * 8
     return Wake(
-        ring=array([[size, 0, 0, 0] for size in keep]),
+        ring=array([[size, 0, 0, 0, 0] for size in keep]),
         setting=array([_settings(case) for case in cases]),
         vortex=zeros(ti.f64, count, 4, most),
         velocity=zeros(ti.f64, count, 4, most),
         birth=zeros(ti.i32, count, most),
-        dropped=zeros(ti.f64, count),
+        tally=zeros(ti.f64, count, 2),
     )
 
 
@@ -79,7 +82,7 @@ def shed(wake: View, b, n, y, z):
     else:
         place = wake.ring[b, OLDEST]
         wake.ring[b, OLDEST] = (place + 1) % wake.ring[b, KEEP]
-        wake.dropped[b] = wake.dropped[b] + wake.vortex[b, CIRCULATION, place]
+        wake.tally[b, DROPPED] = wake.tally[b, DROPPED] + wake.vortex[b, CIRCULATION, place]
     wake.ring[b, YOUNGEST] = place
     wake.vortex[b, Y, place] = y
     wake.vortex[b, Z, place] = z
@@ -90,23 +93,29 @@ def shed(wake: View, b, n, y, z):
 
 
 @ti.func
+def carry(wake: View, bound: View, panels, stream: View, b, first):
+    """Velocity of eight wake vortices from place `first` on, from all vortices and the free stream (Eq. 32)."""
+    y = octet(wake.vortex, b, Y, first)
+    z = octet(wake.vortex, b, Z, first)
+    core2 = octet(wake.vortex, b, CORE2, first) + TINY
+    w_y, w_z = induce(y, z, core2, wake.vortex, b, 0, wake.ring[b, COUNT])
+    b_y, b_z = induce(y, z, core2, bound, b, 0, panels)
+    for axis in ti.static(range(2)):
+        store_octet(wake.velocity, b, BEFORE + axis, first, octet(wake.velocity, b, axis, first))
+    store_octet(wake.velocity, b, Y, first, w_y + b_y + stream[b, Y])
+    store_octet(wake.velocity, b, Z, first, w_z + b_z + stream[b, Z])
+
+
+@ti.func
 def convect(wake: View, bound: View, panels, stream: View, b, n, dt):
-    """Carry every wake vortex from step `n - 1` to `n` with the velocity of all vortices and the free stream (Eq. 32).
+    """Carry every wake vortex from step `n - 1` to `n`.
 
     A vortex just shed has no velocity of an earlier step: it takes Euler's step, once.
     """
     count = wake.ring[b, COUNT]
-    for block in range((count + 7) // 8):
-        first = 8 * block
-        y = octet(wake.vortex, b, Y, first)
-        z = octet(wake.vortex, b, Z, first)
-        core2 = octet(wake.vortex, b, CORE2, first)
-        w_y, w_z = induce(y, z, core2 + TINY, wake.vortex, b, count)
-        b_y, b_z = induce(y, z, core2 + TINY, bound, b, panels)
-        for axis in ti.static(range(2)):
-            store_octet(wake.velocity, b, BEFORE + axis, first, octet(wake.velocity, b, axis, first))
-        store_octet(wake.velocity, b, Y, first, w_y + b_y + stream[b, Y])
-        store_octet(wake.velocity, b, Z, first, w_z + b_z + stream[b, Z])
+    if wake.ring[b, CARRIED] != n:
+        for block in range((count + 7) // 8):
+            carry(wake, bound, panels, stream, b, 8 * block)
     for i in range(count):
         moved2 = 0.0
         for axis in range(2):

@@ -131,7 +131,7 @@ def test_kelvins_sum_is_zero_at_every_step(settings):
     while not marched.done:
         marched.advance(1)
         held = int(numpy_view(wakes.ring)[0, wake.COUNT])
-        shed = numpy_view(wakes.vortex)[0, 2, :held].sum() + numpy_view(wakes.dropped)[0]
+        shed = numpy_view(wakes.vortex)[0, 2, :held].sum() + numpy_view(wakes.tally)[0, wake.DROPPED]
         worst = max(worst, abs(shed + numpy_view(flow.total)[0]))
         largest = max(largest, abs(numpy_view(flow.total)[0]))
     assert largest > 0.05
@@ -194,7 +194,7 @@ def test_a_full_ring_gives_up_its_oldest():
     order = (oldest + np.arange(count)) % keep
     assert numpy_view(wakes.birth)[0, order].tolist() == [2, 3, 4]
     assert numpy_view(wakes.vortex)[0, 0, order].tolist() == [2.0, 3.0, 4.0]
-    assert numpy_view(wakes.dropped)[0] == 11.0
+    assert numpy_view(wakes.tally)[0, wake.DROPPED] == 11.0
 
 
 def test_wake_of_frames_runs_from_the_oldest_to_the_youngest():

@@ -13,6 +13,7 @@ from ..beam import Modes
 from ..body import AMPLITUDE, AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
 from ..case import Case
 from ..lattice import ACROSS, ALONG, EDGE_SLOPE, FACTOR, FORCE, between, circulation_at, deflect
+from ..longwake import LongWakes
 from ..runtime import Floats2, Ints2, Ints3, Singles3, Singles4, View, ti
 from ..spacing import ACT, AHEAD, BEHIND, NODE
 from ..vortex import CIRCULATION, Y, Z
@@ -35,6 +36,11 @@ nodes = lattice.nodes
 def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]:
     """Arrays of the lattices and wakes of a batch."""
     return {"flow": lattice.allocate(cases, sections), "wake": wake.allocate(cases)}
+
+
+def ahead(cases: Sequence[Case], groups: dict[str, Any], threads: int | None) -> LongWakes:
+    """What a step of long wakes is worth doing on all threads."""
+    return LongWakes(cases, groups["wake"], groups["flow"], threads)
 
 
 def film(cases: Sequence[Case], frames: int) -> Any:

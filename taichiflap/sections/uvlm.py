@@ -47,3 +47,10 @@ class Uvlm(Section):
     core_growth: float = key(
         0.1, text="growth of a new vortex's core over the way it moves, until it is full; 0: full at once", ge=0, le=100
     )
+    far_error: float = key(
+        0.0,
+        text="error allowed in the velocity of a wake vortex, as a share of the trailing edge's typical speed, for the "
+        "sake of speed in long wakes; 0: every pair of vortices is summed",
+        ge=0,
+        le=0.1,
+    )
