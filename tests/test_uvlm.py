@@ -152,7 +152,7 @@ def test_convection_matches_the_oracle(rng, core, convection):
     vortices, bound = rng.normal(size=(4, 21)), rng.normal(size=(4, 8))
     vortices[3], bound[3] = core**2, 0.0
     numpy_view(wakes.vortex)[0, :, :21] = vortices
-    numpy_view(wakes.ring)[0] = (21, 21, 4, 3)
+    numpy_view(wakes.ring)[0] = (21, 21, 4, 3, 0)
     earlier = rng.normal(size=(2, 21))
     numpy_view(wakes.velocity)[0, :2, :21] = earlier
     numpy_view(wakes.birth)[0, :21] = [6, *range(-14, 6)]
