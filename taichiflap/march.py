@@ -244,6 +244,7 @@ class March:
                 shared = tuple(map(slice, np.minimum(values.shape, state[name].shape)))
                 values[shared] = state[name][shared]
         self.next_step = next_step
+
     def _march(self, first: int, last: int) -> None:
         """Many steps in one launch, but for those before which a fluid model puts all threads to one case."""
         alone = max(first, min(last, self._ahead.first)) if self._ahead else last

@@ -190,7 +190,7 @@ def test_a_full_ring_gives_up_its_oldest():
         shed_once(wakes, n, float(n), -float(n))
         youngest = numpy_view(wakes.ring)[0, wake.YOUNGEST]
         numpy_view(wakes.vortex)[0, 2, youngest] = 10.0**n
-    keep, count, oldest, _ = numpy_view(wakes.ring)[0]
+    keep, count, oldest, *_ = numpy_view(wakes.ring)[0]
     order = (oldest + np.arange(count)) % keep
     assert numpy_view(wakes.birth)[0, order].tolist() == [2, 3, 4]
     assert numpy_view(wakes.vortex)[0, 0, order].tolist() == [2.0, 3.0, 4.0]
