@@ -100,8 +100,12 @@ class Writer:
             self._file.flush()
             self._publish()
             self._find_places()
-        except OSError as error:
-            raise ResultError(f"{self.path}: cannot be created: {first_line(error)}") from None
+        except ResultError:
+            raise
+        except (OSError, ValueError, RuntimeError) as error:
+            # HDF5 reports a full disk as any of them, with the system's words inside.
+            said = str(error).partition("error message = '")[2].partition("'")[0] or str(error).splitlines()[0]
+            raise ResultError(f"{self.path}: cannot be created: {said}") from None
 
     @property
     def stored(self) -> int:
