@@ -6,7 +6,7 @@ PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test clean
+.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test docs clean
 
 hawkmoth: .venv/.run  ## set up and run the main job
 	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
@@ -47,6 +47,13 @@ bench-view: .venv/.dev  ## the viewer: time a frame, ten browsers, a large file
 
 crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, and look at what they leave
 	$(BIN)/python tests/crash.py 100
+
+docs: .venv/.run  ## write the reports among the documentation again, from their commands (minutes)
+	$(BIN)/taichiflap validate -o build/validation --overwrite
+	$(BIN)/taichiflap reproduce -o build/reproduction --overwrite
+	rm -f docs/validation-*.svg docs/reproduction/*.png
+	cp build/validation/validation.md build/validation/*.svg docs
+	cp build/reproduction/report.md build/reproduction/*.png docs/reproduction
 
 clean:  ## remove the environment and what runs left here
 	rm -rf .venv *.egg-info build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis

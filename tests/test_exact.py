@@ -67,6 +67,15 @@ def test_pitch_about_one_axis_is_pitch_and_plunge_about_another():
 
 
 @pytest.mark.parametrize("k", [0.05, 0.5, 5.0])
+def test_what_the_wake_does_to_the_load_acts_at_the_quarter_chord(k):
+    """Fung (1955): there the moment is that of the added mass, in plunge at mid-chord, in pitch with its couple."""
+    plunge, pitch, rate = 0.2, 0.1, 2j * k
+    heave, turn = theory.oscillating_loads(k, plunge, axis=0.25), theory.oscillating_loads(k, pitch=pitch, axis=0.25)
+    assert heave[1] == pytest.approx(0.25 * math.pi / 2 * rate**2 * plunge, rel=1e-12)
+    assert turn[1] == pytest.approx(-math.pi / 4 * pitch * (rate + 3 / 16 * rate**2), rel=1e-12)
+
+
+@pytest.mark.parametrize("k", [0.05, 0.5, 5.0])
 @pytest.mark.parametrize(("plunge", "pitch", "axis"), [(0.2, 0.0, 0.0), (0.0, 0.1, 0.0), (0.1, 0.3j, 0.25)])
 def test_power_is_thrust_and_what_the_wake_carries_off(k, plunge, pitch, axis):
     """Garrick's energy equation; the wake's share follows from its circulation alone (his Eq. 26)."""

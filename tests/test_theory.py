@@ -11,9 +11,8 @@ from scipy.special import hankel2
 
 from taichiflap import theory
 from taichiflap.body import MOMENT, NORMAL
-from taichiflap.sections.uvlm import Uvlm
-from taichiflap.studies import stream
-from taichiflap.studies.checks import run
+from taichiflap.studies import oscillation
+from taichiflap.studies.checks import accurate, run
 
 CHORD, SPAN, DENSITY = 0.02, 0.05, 1.225
 WAGNER = {1: 0.6006056, 2: 0.6692896, 5: 0.7882032, 10: 0.8750447, 20: 0.9366493}
@@ -78,24 +77,13 @@ def test_the_papers_fixed_distance_is_inconsistent():
     assert theodorsen_error("fixed", 50, 1.0)[0] == pytest.approx(0.27, abs=0.02)
 
 
-def attached(name, k, panels):
-    """A plate in a motion of `stream.MOTIONS` with the settings that a new case has by default."""
-    uvlm = Uvlm(panels=panels).model_dump()
-    return stream.oscillating(name, k, panels).override(*(f"uvlm.{key}={_toml(value)}" for key, value in uvlm.items()))
-
-
-def _toml(value):
-    return str(value).lower() if isinstance(value, bool) else value
-
-
 @pytest.mark.parametrize(("panels", "amplitude", "phase"), [(20, 0.5, 0.5), (12, 2.0, 1.0)])
 def test_defaults_meet_theodorsen(panels, amplitude, phase):
     """Per cent and degrees, k = 0.1 to 2, at 200 steps a period."""
-    pairs = [(name, k) for name in stream.MOTIONS for k in (0.1, 0.3, 1.0, 2.0)]
-    cases = [attached(name, k, panels) for name, k in pairs]
+    pairs = [(name, k) for name in oscillation.MOTIONS for k in (0.1, 0.3, 1.0, 2.0)]
+    cases = [oscillation.oscillating(name, k, accurate(panels)) for name, k in pairs]
     for (name, k), case, history in zip(pairs, cases, run(cases), strict=True):
-        exact = theory.oscillating_loads(k, **stream.MOTIONS[name])[0]
-        ratio = stream.lift_amplitude(case, history) / exact
+        ratio = oscillation.loads(case, history).lift / oscillation.exact(name, k).lift
         assert 100 * abs(abs(ratio) - 1) < amplitude, (name, k)
         assert abs(np.degrees(np.angle(ratio))) < phase, (name, k)
 
@@ -104,18 +92,6 @@ def test_defaults_meet_theodorsen(panels, amplitude, phase):
 def test_defaults_meet_wagner(panels, bound):
     settings = ("spacing=cosine", "loads=vortices", "convection=second_order", "core=0.02", "core_growth=0.1")
     assert np.abs(wagner_errors("local", panels, 0.02, *(f"uvlm.{one}" for one in settings))).max() < bound
-
-
-@pytest.mark.parametrize("name", ["pitch about leading edge", "plunge"])
-@pytest.mark.parametrize("k", [0.2, 1.0])
-def test_suction_gives_garricks_thrust(name, k):
-    """Errors over the largest thrust that such a lift could lean forward."""
-    case = attached(name, k, 20).override("uvlm.suction=true")
-    thrust = stream.mean_thrust(case, run([case])[0])
-    exact = theory.mean_thrust(k, **stream.MOTIONS[name])
-    lean = 0.5 * stream.SMALL * abs(theory.oscillating_loads(k, **stream.MOTIONS[name])[0])
-    assert abs(thrust - exact) < 0.02 * lean
-    assert abs(exact - theory.mean_thrust(k, **stream.MOTIONS[name], suction=False)) > 0.2 * lean
 
 
 @pytest.mark.parametrize(("k", "pivot"), [(0.1, 0.25), (1.0, 0.25), (0.5, 0.5)])

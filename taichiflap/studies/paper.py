@@ -3,6 +3,7 @@
 Tables 1 to 4 give the cases; what the tables leave out or misprint is read as the errata of `studies.errata` say.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,10 +53,14 @@ _CASE: dict[str, Any] = {
     "uvlm": {
         "panels": 50,
         "spacing": "uniform",
+        "loads": "panels",
         "wake": 200,
         "old_wake": "drop",
         "shedding": "fixed",
         "shedding_distance": 0.05,
+        "convection": "euler",
+        "core": 0.0,
+        "core_growth": 0.0,
     },
 }
 
@@ -82,6 +87,19 @@ class Settings:
     long_wakes: tuple[int | str, ...] = (400, 600, 1000, "all")
     modes: tuple[int, ...] = (1, 2, 3, 5)
     densities: tuple[float, ...] = (1.0, 1.1, 1.15, 1.2, AIR, DENSITY_OF_THE_ROW, 1.3)
+
+
+def described(settings: Settings) -> str:
+    """The settings as a sentence for a report."""
+    return (
+        f"Blade elements: {_listed(settings.elements)}. Panels: {_listed(settings.panels)}. Wake vortices: "
+        f"{_listed((*settings.wakes, *settings.long_wakes))}. Modes: {_listed(settings.modes)}. Densities (kg/m³): "
+        f"{_listed(settings.densities)}."
+    )
+
+
+def _listed(values: Sequence[Any]) -> str:
+    return ", ".join(map(str, values))
 
 
 def case(settings: Settings, solver: str, *overrides: str) -> Case:

@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 from .. import beam, outputs
+from .._version import __version__
 from . import archive, drawings, page, paper, plan, tables
 from .errata import errata
 from .measured import Progress, machine
@@ -99,6 +100,7 @@ def _blocks(settings: Settings, runs: plan.Runs, found: list[Verdict]) -> list[B
             "spread from beat to beat after ±. The full vector is the whole force of the fluid; the wing-normal part "
             "is its component along the undeformed wing's normal, which the paper's force figures show."
         ),
+        Paragraph(f"{paper.described(settings)} Version {__version__}."),
         Heading(2, f"Verdicts: {reproduced} of {compared} reproduced"),
         Table(
             ("Quantity", "Paper", "Here", "Verdict", "How closely, or why not"),

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from . import orders, plate, stream, structure
+from . import orders, oscillation, plate, start, structure
 from .checks import Check, Row
 
 Study = Callable[[], Sequence[Check]]
@@ -10,8 +10,8 @@ Study = Callable[[], Sequence[Check]]
 STUDIES: tuple[tuple[str, Study], ...] = (
     ("steady lift", lambda: [plate.steady()]),
     ("camber", lambda: [plate.camber()]),
-    ("Wagner", lambda: [stream.wagner()]),
-    ("Theodorsen and Garrick", stream.oscillation),
+    ("Wagner", lambda: [start.wagner()]),
+    ("Theodorsen and Garrick", oscillation.oscillation),
     ("added mass", lambda: [plate.added_mass()]),
     ("modes", lambda: [structure.modes()]),
     ("wet frequency", lambda: [structure.wet_frequency()]),
@@ -43,12 +43,15 @@ def validate(
 def table(check: Check) -> list[str]:
     """The rows of a check as lines of text, under its reference."""
     cells = [HEADINGS, *(tuple(row_cells(row)) for row in check.rows)]
-    return [check.reference, *(_line(line) for line in cells), ""]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = ["  ".join(_aligned(line, widths)).rstrip() for line in cells]
+    return [check.reference, *(f"  {line}" for line in lines), ""]
 
 
-def _line(cells: Sequence[str]) -> str:
-    setting, measured, expected, error, tolerance, passed = cells
-    return f"  {setting:<50} {measured:>11} {expected:>11} {error:>19} {tolerance:>9}  {passed}".rstrip()
+def _aligned(cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    """The setting and the verdict to the left, numbers to the right."""
+    for number, (cell, width) in enumerate(zip(cells, widths, strict=True)):
+        yield cell.ljust(width) if number in (0, len(cells) - 1) else cell.rjust(width)
 
 
 def row_cells(row: Row) -> list[str]:

@@ -1,0 +1,84 @@
+"""The reports among the documentation are those that the commands write now: their rows, verdicts, and numbers.
+
+`make docs` writes them again. Numbers are compared where that is cheap.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+from test_reproduce import study  # noqa: F401
+
+import taichiflap
+from taichiflap._version import __version__
+from taichiflap.studies import oscillation, paper, plate, reproduce, start, structure
+from taichiflap.studies.checks import accurate
+from taichiflap.studies.paper import Settings
+
+ROOT = Path(__file__).parent.parent
+VALIDATION = (ROOT / "docs" / "validation.md").read_text("utf-8")
+REPRODUCTION = (ROOT / "docs" / "reproduction" / "report.md").read_text("utf-8")
+
+
+def rows(page):
+    """Cells of every line of a page's tables."""
+    cells = [re.split(r"(?<!\\) ?\| ?", line)[1:-1] for line in page.splitlines() if line.startswith("|")]
+    return [[cell.strip().replace(r"\|", "|") for cell in row] for row in cells]
+
+
+def test_pages_are_of_this_version():
+    assert f"version {__version__}:" in VALIDATION
+    assert f"Version {__version__}." in REPRODUCTION
+
+
+def test_validation_holds_what_the_studies_measure():
+    cheap = (
+        plate.steady(), plate.camber(), plate.added_mass(), structure.modes(), structure.wet_frequency(steps=(200,)),
+        start.wagner(((accurate(), start.TRAVEL),)), *oscillation.oscillation(frequencies=(0.5,), refined=(8, 12)),
+    )  # fmt: skip
+    written = {row[0]: row for row in rows(VALIDATION)}
+    for check in cheap:
+        assert f"## {check.reference}" in VALIDATION
+        for row in check.rows:
+            _, measured, expected, _, tolerance, verdict = written[row.setting]
+            assert float(measured) == pytest.approx(row.measured, rel=1e-3, abs=1e-9), row.setting
+            assert float(expected) == pytest.approx(row.expected, rel=1e-5), row.setting
+            assert float(tolerance) == row.tolerance
+            assert verdict == ("pass" if row.passed else "FAIL")
+    for picture in re.findall(r"\]\(([^)]*)\)", VALIDATION):
+        assert (ROOT / "docs" / picture).is_file()
+
+
+def test_reproduction_has_the_verdicts_and_tables_of_a_quick_one(study):  # noqa: F811
+    quick = (study[0] / reproduce.REPORT).read_text("utf-8")
+    for level in (r"^##? (?!Verdicts).*$", r"^!\[.*$"):
+        assert re.findall(level, REPRODUCTION, re.M) == re.findall(level, quick, re.M)
+    names = [[row[0] for row in rows(page) if row[-2] in STATES or row[-1] in HOW] for page in (REPRODUCTION, quick)]
+    assert names[0] == names[1]
+    assert len(names[0]) > 30
+    assert paper.described(Settings()) in REPRODUCTION
+
+
+STATES = {"reproduced", "NOT reproduced", "measured"}
+HOW = {"run", "post-processed", "NumPy"}
+
+
+def test_reproduction_holds_the_papers_cases_as_they_come_out_now():
+    written = {row[0]: row for row in rows(REPRODUCTION)}
+    for solver in ("dbet", "uvlm"):
+        cases = [paper.case(Settings(), solver, *more) for more in (("wing.modes=0",), ())]
+        for wing, result in zip(("rigid", "flexible"), taichiflap.simulate(cases), strict=True):
+            with result:
+                summary = taichiflap.summarise(result)
+            full, normal = (float(cell) for cell in written[f"{solver.upper()}, {wing}"][2:4])
+            assert full == pytest.approx(1e3 * summary.force_vertical.mean, abs=0.006)
+            assert normal == pytest.approx(1e3 * summary.force_vertical_normal.mean, abs=0.006)
+
+
+def test_readme_counts_as_the_pages_do():
+    readme = (ROOT / "README.md").read_text("utf-8")
+    passed, everything = re.search(r"(\d+) of (\d+) rows pass", VALIDATION).groups()
+    assert passed == everything
+    assert f"against {everything} exact results" in readme
+    found, compared = re.search(r"Verdicts: (\d+) of (\d+) reproduced", REPRODUCTION).groups()
+    assert f"{found} of {compared} statements" in " ".join(readme.split())
