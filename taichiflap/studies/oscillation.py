@@ -9,6 +9,7 @@ import numpy as np
 from .. import theory
 from ..body import AXIAL, MOMENT, NORMAL
 from ..case import Case
+from ..motion import PITCH, sample
 from .checks import Array, Chart, Check, Curve, Grid, History, Row, accurate, papers, plate, run
 
 STEPS = 200
@@ -71,14 +72,14 @@ def oscillating(name: str, k: float, grid: Grid | None = None, steps: int = STEP
 
 def loads(case: Case, history: History) -> Loads:
     """Loads over the last two beats, beside a mean and a drift that the start leaves behind; thrust over the last."""
-    steps = case.time.steps_per_period
+    steps = round(case.steps_per_beat)
     last = history.step > case.steps - 2 * steps
     angle = 2.0 * math.pi * history.step[last] / steps
     base = np.stack((np.cos(angle), np.sin(angle), np.ones_like(angle), angle), axis=1)
     fitted = np.linalg.lstsq(base, 2.0 * history.force[last][:, [NORMAL, MOMENT]], rcond=None)[0]
     lift, moment = fitted[0] - 1j * fitted[1]
     beat = slice(-steps, None)
-    pitch = math.radians(case.motion.pitch.amplitude_deg) * np.cos(2.0 * math.pi * history.step[beat] / steps)
+    pitch = sample(case.motion, case.step * history.step[beat])[:, PITCH]
     lean = 2.0 * float(np.mean(history.force[beat, NORMAL] * np.sin(pitch)))
     pull = -2.0 * float(np.mean(history.force[beat, AXIAL] * np.cos(pitch)))
     return Loads(complex(lift), -complex(moment), lean, lean + pull)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .. import fluids, spacing, theory
-from ..body import MOMENT, NORMAL
+from ..body import LIMIT, MOMENT, NORMAL
 from ..march import March
 from ..motion import PITCH_RATE, PLUNGE_RATE
 from ..runtime import view
@@ -108,6 +108,7 @@ def bent_lift(grid: Grid, height: float, alpha: float) -> float:
     tables = spacing.tables(case, lambda y: scale * (y * (1.0 - y))[None], lambda y: scale * (1.0 - 2.0 * y)[None])
     view(flow.shape)[0, :, :, : grid.panels + 1] = tables
     view(march.body.constant)[...] = 0.0
+    view(march.body.constant)[:, LIMIT] = np.inf
     view(march.body.q)[0, 0, 0] = 1.0 / LEAST_SHARE
     return 2.0 * float(march.advance(march.steps + 1)[0]["force"][-1, NORMAL])
 
