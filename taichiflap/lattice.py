@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from . import linear, spacing, wake
+from . import absorb, linear, spacing, wake
 from .beam import Modes
 from .body import AMPLITUDE, RATE, array, most_modes, pivot_velocity, zeros
 from .case import Case
@@ -20,7 +20,7 @@ from .profile import Profile
 from .runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets3, View, ti
 from .spacing import EDGE_SLOPE, NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
 from .vortex import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet
-from .wake import ALONG_PATH, COUNT, DISTANCE, YOUNGEST
+from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, GAP, REFLECTS, YOUNGEST
 
 ALONG, ACROSS = 2, 3
 """Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
@@ -146,6 +146,41 @@ def put(stations: View, deflection, slope, b, i):
 
 
 @ti.func
+def guard(body: View, flow: View, wakes: View, b, n):
+    """Count the wake vortices that the wing has come upon since the last step, and keep them on their side of it.
+
+    A vortex that was above the wing and now is below stands as far above instead; it may go around an edge.
+    """
+    cosine = ti.cos(body.motion[b, n, PITCH])
+    sine = ti.sin(body.motion[b, n, PITCH])
+    pivot = body.motion[b, n, PLUNGE]
+    last = flow.panels[b]
+    for m in range(wakes.ring[b, COUNT]):
+        up = wakes.vortex[b, Z, m] - pivot
+        y = cosine * wakes.vortex[b, Y, m] + sine * up
+        gap = 0.0
+        if flow.node[b, Y, 0] < y < flow.node[b, Y, last]:
+            low, high = 0, last
+            while high - low > 1:
+                half = (low + high) // 2
+                if flow.node[b, Y, half] <= y:
+                    low = half
+                else:
+                    high = half
+            share = (y - flow.node[b, Y, low]) / (flow.node[b, Y, high] - flow.node[b, Y, low])
+            gap = (
+                cosine * up - sine * wakes.vortex[b, Y, m] - between(flow.node[b, Z, low], flow.node[b, Z, high], share)
+            )
+        if gap * wakes.vortex[b, GAP, m] < 0.0:
+            wakes.ring[b, CROSSINGS] = wakes.ring[b, CROSSINGS] + 1
+            if wakes.setting[b, REFLECTS] > 0.0:
+                wakes.vortex[b, Y, m] = wakes.vortex[b, Y, m] + 2.0 * gap * sine
+                wakes.vortex[b, Z, m] = wakes.vortex[b, Z, m] - 2.0 * gap * cosine
+                gap = -gap
+        wakes.vortex[b, GAP, m] = gap
+
+
+@ti.func
 def shed_vortex(body: View, flow: View, wakes: View, b, n):
     """Place this step's wake vortex behind the trailing edge and note what a unit of it does to the panels.
 
@@ -176,6 +211,8 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n):
     y = flow.node[b, Y, edge] + along * t_y - across * t_z
     z = flow.node[b, Z, edge] + along * t_z + across * t_y
     pivot = body.motion[b, n, PLUNGE]
+    middle = flow.panels[b] // 2
+    absorb.make_room(wakes, b, flow.bound[b, Y, middle], flow.bound[b, Z, middle])
     wake.shed(wakes, b, n, cosine * y - sine * z, pivot + sine * y + cosine * z)
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.panels[b]):

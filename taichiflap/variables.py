@@ -53,6 +53,14 @@ VARIABLES = {
     "power_aerodynamic": Variable(("time",), "W", "actuator's power against the fluid", "P_a"),
     "power_inertial": Variable(("time",), "W", "actuator's power for the wing's own mass", "P_i"),
     "circulation": Variable(("time",), "m2 s-1", "total bound circulation", "Gamma", _SPIN),
+    "wake_crossings": Variable(
+        ("time",), "1", "times that a wake vortex came upon the wing, so far", "",
+        "kept on its side or not: uvlm.crossing",
+    ),
+    "wake_lost": Variable(
+        ("time",), "m s-1", "velocity at the wing of the wake that was dropped or absorbed", "",
+        "an estimate: what each vortex would still induce at the wing's middle, fading over a beat",
+    ),
     "node_position": Variable(
         ("time", "node", "component"), "m", "position of the wing's nodes", "R", _INERTIAL, single=True
     ),

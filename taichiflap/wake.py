@@ -1,9 +1,10 @@
 """The free wake: a ring of point vortices per case, shed at the trailing edge and carried by the flow.
 
 Reade & Jankauski (2020), Eqs 29 and 32 (whose wake sum runs over the wake, not over the panels). Vortices never
-change strength; a full ring gives up its oldest vortex for the new one.
+change strength, unless a full ring absorbs one (`taichiflap.absorb`) instead of giving up its oldest for the new one.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -18,23 +19,28 @@ from .vortex import CIRCULATION, CORE2, TINY, Y, Z, induce, octet, store_octet
 LEAST_TRAVEL = 2e-4
 """Least distance, in chords, of a new vortex behind the trailing edge: at stroke reversal the travel vanishes."""
 
-KEEP, COUNT, OLDEST, YOUNGEST, CARRIED = range(5)
-"""Entries of a ring: its size, how many vortices it holds, the places of the first and last shed, and the
-step for which the velocities are known beforehand."""
+KEEP, COUNT, OLDEST, YOUNGEST, CARRIED, CROSSINGS = range(6)
+"""Entries of a ring: its size, how many vortices it holds, the places of the first and last shed, the step for which
+the velocities are known beforehand, and how often a vortex has come upon the wing."""
 
-ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH = range(5)
+ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, FADE, REFLECTS = range(9)
 """Settings of a wake: where new vortices stand on the trailing edge's path during a step (0: at a fixed distance);
 that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
-(Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start)."""
-DROPPED, FAR_ERROR = range(2)
-"""Columns of the tally: circulation of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
+(Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start);
+whether a full ring absorbs (1) or drops (0); how near to the wing that is avoided, m; what is left after a step of what
+was lost; whether the wing keeps vortices on their side (1)."""
+DROPPED, FAR_ERROR = 2, 3
+"""Columns of the tally, after the velocity at the wing of what was dropped or absorbed, m/s, along Y and Z: circulation
+of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
+GAP = 4
+"""Row of a wake's vortices after those of `taichiflap.vortex`."""
 BEFORE = 2
 """First row of the velocities one step earlier."""
 
 Wake = ti.types.argpack(
     ring=Ints2,
-    setting=Floats2,  # (case, 5), see the names of its columns
-    vortex=Floats3,  # (case, 4, place), see taichiflap.vortex
+    setting=Floats2,  # (case, 9), see the names of its columns
+    vortex=Floats3,  # (case, 5, place), see taichiflap.vortex; and how far above the wing it stands, m (0: beside it)
     velocity=Floats3,  # (case, 4, place): that of the vortices in the last step, and one step earlier
     birth=Ints2,  # step of shedding
     tally=Floats2,
@@ -46,12 +52,12 @@ def allocate(cases: Sequence[Case]) -> Any:
     keep = [ring_size(case) for case in cases]
     count, most = len(cases), -(-max(keep) // 8) * 8
     return Wake(
-        ring=array([[size, 0, 0, 0, 0] for size in keep]),
+        ring=array([[size, 0, 0, 0, 0, 0] for size in keep]),
         setting=array([_settings(case) for case in cases]),
-        vortex=zeros(ti.f64, count, 4, most),
+        vortex=zeros(ti.f64, count, 5, most),
         velocity=zeros(ti.f64, count, 4, most),
         birth=zeros(ti.i32, count, most),
-        tally=zeros(ti.f64, count, 2),
+        tally=zeros(ti.f64, count, 4),
     )
 
 
@@ -64,6 +70,10 @@ def _settings(case: Case) -> list[float]:
         0.5 if uvlm.convection == "second_order" else 0.0,
         uvlm.core * chord,
         uvlm.core_growth,
+        float(uvlm.old_wake == "absorb"),
+        uvlm.absorb_beyond * chord,
+        math.exp(-case.motion.frequency * case.step),
+        float(uvlm.crossing == "reflect"),
     ]
 
 
@@ -88,6 +98,7 @@ def shed(wake: View, b, n, y, z):
     wake.vortex[b, Z, place] = z
     wake.vortex[b, CIRCULATION, place] = 0.0
     wake.vortex[b, CORE2, place] = 0.0
+    wake.vortex[b, GAP, place] = 0.0
     grow(wake, b, place, 0.0)
     wake.birth[b, place] = n
 

@@ -5,7 +5,7 @@ import pytest
 from conftest import assert_columns_agree, hawkmoth, march
 from oracle import UvlmOracle, velocity
 
-from taichiflap import fluids, wake
+from taichiflap import absorb, fluids, wake
 from taichiflap.march import March
 from taichiflap.runtime import Floats2, Floats3, ti
 from taichiflap.runtime import view as numpy_view
@@ -151,8 +151,8 @@ def test_convection_matches_the_oracle(rng, core, convection):
     wakes = wake.allocate([case])
     vortices, bound = rng.normal(size=(4, 21)), rng.normal(size=(4, 8))
     vortices[3], bound[3] = core**2, 0.0
-    numpy_view(wakes.vortex)[0, :, :21] = vortices
-    numpy_view(wakes.ring)[0] = (21, 21, 4, 3, 0)
+    numpy_view(wakes.vortex)[0, :4, :21] = vortices
+    numpy_view(wakes.ring)[0] = (21, 21, 4, 3, 0, 0)
     earlier = rng.normal(size=(2, 21))
     numpy_view(wakes.velocity)[0, :2, :21] = earlier
     numpy_view(wakes.birth)[0, :21] = [6, *range(-14, 6)]
@@ -203,3 +203,90 @@ def test_wake_of_frames_runs_from_the_oldest_to_the_youngest():
     ends = np.cumsum(frames.wake_count)
     assert frames.wake_count.tolist() == [min(n + 1, 10) for n in range(31)]
     assert frames.wake_birth[ends[-2] :].tolist() == list(range(21, 31))
+
+
+@ti.kernel
+def make_room_once(wakes: wake.Wake, y: ti.f64, z: ti.f64):
+    for i in range(1):
+        absorb.make_room(wakes, 0, y, z)
+
+
+def absorbing(rng, count, *settings):
+    """A full ring of random vortices of both signs, turned so that its oldest is in the middle of the array."""
+    case = hawkmoth(f"uvlm.wake={count}", "uvlm.old_wake=absorb", "wing.chord=1.0", "uvlm.absorb_beyond=0.0", *settings)
+    wakes = wake.allocate([case])
+    vortices = np.zeros((5, count))
+    vortices[:3] = rng.normal(size=(3, count))
+    numpy_view(wakes.vortex)[0, :, :count] = vortices
+    numpy_view(wakes.birth)[0, :count] = np.roll(np.arange(count), 4)
+    numpy_view(wakes.ring)[0] = (count, count, 4, 3, 0, 0)
+    return wakes, vortices
+
+
+def moments(vortices):
+    y, z, gamma = vortices[:3]
+    return np.array([gamma.sum(), gamma @ y, gamma @ z])
+
+
+@pytest.mark.parametrize("count", [8, 40])
+def test_absorbing_keeps_circulation_and_impulse(rng, count):
+    for _ in range(20):
+        wakes, before = absorbing(rng, count)
+        make_room_once(wakes, 30.0, 40.0)
+        after = numpy_view(wakes.vortex)[0, :, :count].copy()
+        oldest = numpy_view(wakes.ring)[0, wake.OLDEST]
+        assert after[2, oldest] == 0.0
+        np.testing.assert_allclose(moments(after), moments(before), atol=1e-13 * count)
+        births = np.roll(numpy_view(wakes.birth)[0, :count], -oldest)[1:]
+        assert np.all(np.diff(births) > 0)
+        target = np.array([[30.0, 40.0]])
+        change = velocity(target, after[:3].T)[0] - velocity(target, before[:3].T)[0]
+        estimate = numpy_view(wakes.tally)[0, :2]
+        assert np.hypot(*(estimate - change)) < 0.2 * np.hypot(*change)
+
+
+def test_vortices_that_cancel_are_not_thrown_far(rng):
+    """Opposite neighbours of nearly no sum: their centroid is far outside."""
+    wakes, _ = absorbing(rng, 6)
+    vortices = numpy_view(wakes.vortex)
+    vortices[0, :3, :6] = np.array([[0, 1, 2, 3, 4, 5], [0, 0.1, 0, 0.1, 0, 0.1], [1, -1, 1, -1 - 1e-9, 1, -1]], float)
+    before = vortices[0, :, :6].copy()
+    make_room_once(wakes, 30.0, 40.0)
+    after = vortices[0, :, :6]
+    np.testing.assert_allclose(moments(after), moments(before), atol=1e-12)
+    assert np.abs(after[:2]).max() <= 7.0
+
+
+def test_near_vortices_are_absorbed_last(rng):
+    wakes, _ = absorbing(rng, 30, "uvlm.absorb_beyond=50.0")
+    vortices = numpy_view(wakes.vortex)
+    order = (4 + np.arange(30)) % 30
+    vortices[0, 0, order[5:9]] += 100.0
+    make_room_once(wakes, 0.0, 0.0)
+    births = np.roll(numpy_view(wakes.birth)[0, :30], -4)[1:]
+    gone = set(range(30)) - set(births.tolist())
+    assert gone <= {5, 6, 7, 8}
+
+
+def test_what_is_dropped_is_estimated_by_the_velocity_it_induced(rng):
+    wakes, before = absorbing(rng, 8, "uvlm.old_wake=drop")
+    make_room_once(wakes, 3.0, -2.0)
+    expected = velocity(np.array([[3.0, -2.0]]), before[:3, [4]].T)[0]
+    np.testing.assert_allclose(numpy_view(wakes.tally)[0, :2], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("crossing", "sign"), [("reflect", -1.0), ("pass", 1.0)])
+def test_a_vortex_that_meets_the_wing(crossing, sign):
+    """One that stood below the wing now stands above it."""
+    case = hawkmoth(
+        "wing.modes=0", "motion.plunge.phase_deg=0.0", "motion.pitch.amplitude_deg=0.0", "time.periods=1",
+        f"uvlm.crossing={crossing}", *ACCURATE, "uvlm.core=0.5",
+    )  # fmt: skip
+    marched = March([case], fluids.load("uvlm"))
+    marched.advance(1)
+    wakes = marched.groups["wake"]
+    numpy_view(wakes.vortex)[0, :, 0] = 0.01, 1e-4, 1e-9, 0.0, -1e-5
+    marched.advance(1)
+    assert numpy_view(wakes.ring)[0, wake.CROSSINGS] == 1
+    assert sign * numpy_view(wakes.vortex)[0, wake.GAP, 0] > 0.0
+    assert sign * (numpy_view(wakes.vortex)[0, 1, 0] - marched.motion[0, 1, 0]) > 0.0

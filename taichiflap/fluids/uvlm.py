@@ -17,7 +17,7 @@ from ..longwake import LongWakes
 from ..runtime import Floats2, Ints2, Ints3, Singles3, Singles4, View, ti
 from ..spacing import ACT, AHEAD, BEHIND, NODE
 from ..vortex import CIRCULATION, Y, Z
-from ..wake import COUNT, KEEP, OLDEST, YOUNGEST
+from ..wake import COUNT, CROSSINGS, KEEP, OLDEST, YOUNGEST
 
 Film = ti.types.argpack(
     circulation=Floats2,
@@ -26,6 +26,8 @@ Film = ti.types.argpack(
     wake_count=Ints2,
     wake=Singles4,  # (case, frame, 3, vortex), first shed first
     wake_birth=Ints3,
+    wake_crossings=Ints2,
+    wake_lost=Floats2,
 )
 
 GROUPS = {"flow": lattice.Lattice, "wake": wake.Wake, "film": Film}
@@ -55,6 +57,8 @@ def film(cases: Sequence[Case], frames: int) -> Any:
         wake_count=ti.ndarray(ti.i32, (count, frames)),
         wake=ti.ndarray(ti.f32, (count, frames, 3, vortices)),
         wake_birth=ti.ndarray(ti.i32, (count, frames, vortices)),
+        wake_crossings=ti.ndarray(ti.i32, (count, frames)),
+        wake_lost=ti.ndarray(ti.f64, (count, frames)),
     )
 
 
@@ -193,6 +197,7 @@ def prepare(batch: View, b, n, rule):
     if n > 0:
         wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, batch.body.dt[b])
     lattice.lay_panels(batch.body, batch.flow, b, n)
+    lattice.guard(batch.body, batch.flow, batch.wake, b, n)
     lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n)
     lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
     lattice.assemble(batch.body, batch.flow, b, n)
@@ -221,6 +226,8 @@ def record(batch: View, b, frame):
         batch.film.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
         batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.pressure[b, i], ti.f32)
     batch.film.wake_count[b, frame] = batch.wake.ring[b, COUNT]
+    batch.film.wake_crossings[b, frame] = batch.wake.ring[b, CROSSINGS]
+    batch.film.wake_lost[b, frame] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
     for m in range(batch.wake.ring[b, COUNT]):
         place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, KEEP]
         batch.film.wake_birth[b, frame, m] = batch.wake.birth[b, place]

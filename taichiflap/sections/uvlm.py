@@ -29,7 +29,15 @@ class Uvlm(Section):
     )
     suction: bool = key(False, text="include the suction at the leading edge: an edge that does not separate")
     wake: WakeLength = key("all", text='wake vortices kept, or "all"')
-    old_wake: Literal["drop"] = key("drop", text="what happens to the oldest vortex of a full wake")
+    old_wake: Literal["absorb", "drop"] = key(
+        "absorb", text="a full wake merges vortices, keeping circulation and impulse, or drops the oldest"
+    )
+    absorb_beyond: float = key(
+        3.0, unit="chords", text="vortices nearer to the wing's middle than this are absorbed last", ge=0, le=1e6
+    )
+    crossing: Literal["reflect", "pass"] = key(
+        "reflect", text="a wake vortex that would cross the wing is kept on its side, or passes; counted either way"
+    )
     shedding: Literal["local", "fixed"] = key(
         "local",
         text="new vortex on the trailing edge's path relative to the flow (0.30 of a step, 0.25 with uniform panels), "
