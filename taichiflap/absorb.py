@@ -43,7 +43,7 @@ def merger(wake: View, b, order):
     gamma_a, gamma_c = before_a + share * gamma, before_c + (1.0 - share) * gamma
     q_y = -before_a * (a_y * a_y - a_z * a_z) - before_c * (c_y * c_y - c_z * c_z)
     q_z = -2.0 * (before_a * a_y * a_z + before_c * c_y * c_z)
-    earlier = ti.abs(gamma_a) > ti.abs(gamma_c)
+    earlier = stronger_is_earlier(wake, b, order, share)
     strongest = ti.select(earlier, gamma_a, gamma_c)
     move_y, move_z = 0.0, 0.0
     possible = ti.abs(strongest) > 0.0
@@ -99,24 +99,48 @@ def make_room(wake: View, b, y, z):
 
 
 @ti.func
-def loss_of_oldest(wake: View, b, y, z):
-    """Velocity of the oldest vortex at (y, z)."""
-    i = place_of(wake, b, 0)
-    dy, dz = y - wake.vortex[b, Y, i], z - wake.vortex[b, Z, i]
-    strength = INV_2PI * wake.vortex[b, CIRCULATION, i] / (dy * dy + dz * dz + wake.vortex[b, CORE2, i] + TINY)
+def velocity_of(wake: View, b, place, gamma, dy, dz):
+    """Velocity at (dy, dz) from a vortex of circulation `gamma`, with the core of the one at `place`."""
+    strength = INV_2PI * gamma / (dy * dy + dz * dz + wake.vortex[b, CORE2, place] + TINY)
     return -dz * strength, dy * strength
 
 
 @ti.func
+def loss_of_oldest(wake: View, b, y, z):
+    """Velocity of the oldest vortex at (y, z)."""
+    i = place_of(wake, b, 0)
+    gamma = wake.vortex[b, CIRCULATION, i]
+    return velocity_of(wake, b, i, gamma, y - wake.vortex[b, Y, i], z - wake.vortex[b, Z, i])
+
+
+@ti.func
 def loss_of_merger(wake: View, b, order, y, z):
-    """Change of the velocity at (y, z): `u_Y - i u_Z = Q / (2 pi i zeta^3)`, to the leading order."""
+    """Change of the velocity at (y, z): of the three vortices before, less that of the two after."""
     i = place_of(wake, b, order)
-    _, _, _, q_y, q_z, _ = merger(wake, b, order)
-    dy, dz = y - wake.vortex[b, Y, i], z - wake.vortex[b, Z, i]
-    r2 = dy * dy + dz * dz + TINY
-    cube_y, cube_z = dy * (dy * dy - 3.0 * dz * dz), dz * (3.0 * dy * dy - dz * dz)
-    scale = INV_2PI / (r2 * r2 * r2)
-    return scale * (q_z * cube_y - q_y * cube_z), scale * (q_y * cube_y + q_z * cube_z)
+    share, move_y, move_z, _, _, _ = merger(wake, b, order)
+    gamma = wake.vortex[b, CIRCULATION, i]
+    lost_y, lost_z = velocity_of(wake, b, i, gamma, y - wake.vortex[b, Y, i], z - wake.vortex[b, Z, i])
+    earlier = stronger_is_earlier(wake, b, order, share)
+    for side in ti.static(range(2)):
+        m = place_of(wake, b, order - 1 + 2 * side)
+        dy, dz = y - wake.vortex[b, Y, m], z - wake.vortex[b, Z, m]
+        before = wake.vortex[b, CIRCULATION, m]
+        after = before + ti.select(side == 0, share, 1.0 - share) * gamma
+        moves = ti.select(earlier == (side == 0), 1.0, 0.0)
+        was_y, was_z = velocity_of(wake, b, m, before, dy, dz)
+        is_y, is_z = velocity_of(wake, b, m, after, dy - moves * move_y, dz - moves * move_z)
+        lost_y += was_y - is_y
+        lost_z += was_z - is_z
+    return lost_y, lost_z
+
+
+@ti.func
+def stronger_is_earlier(wake: View, b, order, share):
+    """Whether, of the neighbours of a vortex, the one shed earlier is the stronger once they share it."""
+    gamma = wake.vortex[b, CIRCULATION, place_of(wake, b, order)]
+    earlier = wake.vortex[b, CIRCULATION, place_of(wake, b, order - 1)] + share * gamma
+    later = wake.vortex[b, CIRCULATION, place_of(wake, b, order + 1)] + (1.0 - share) * gamma
+    return ti.abs(earlier) > ti.abs(later)
 
 
 @ti.func
@@ -127,9 +151,9 @@ def absorb(wake: View, b, order):
     gamma = wake.vortex[b, CIRCULATION, i]
     gamma_a = wake.vortex[b, CIRCULATION, a] + share * gamma
     gamma_c = wake.vortex[b, CIRCULATION, c] + (1.0 - share) * gamma
+    moved = ti.select(stronger_is_earlier(wake, b, order, share), a, c)
     wake.vortex[b, CIRCULATION, a] = gamma_a
     wake.vortex[b, CIRCULATION, c] = gamma_c
-    moved = ti.select(ti.abs(gamma_a) > ti.abs(gamma_c), a, c)
     wake.vortex[b, Y, moved] = wake.vortex[b, Y, moved] + move_y
     wake.vortex[b, Z, moved] = wake.vortex[b, Z, moved] + move_z
     for m in range(order):

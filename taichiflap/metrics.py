@@ -58,6 +58,9 @@ class Summary:
         tip_peak_after_reversal: when, after the last stroke reversal; None if the wing does not plunge.
         power, power_aerodynamic, power_inertial: mean mechanical power of the actuator and its parts.
         power_positive: mean of the power where it is positive: what an actuator that stores nothing spends.
+        wake_lost: mean velocity at the wing of the wake that was dropped or absorbed (`wake_lost` of the result), over
+            the wing's root mean square speed: about what the forces err by. None for a model without a wake.
+        wake_crossings: how often a wake vortex came upon the wing, in the whole run; None without a wake.
     """
 
     beats: int
@@ -75,6 +78,8 @@ class Summary:
     power_aerodynamic: Statistic
     power_inertial: Statistic
     power_positive: Statistic
+    wake_lost: float | None
+    wake_crossings: int | None
 
 
 def summarise(result: Result) -> Summary | None:
@@ -111,7 +116,19 @@ def summarise(result: Result) -> Summary | None:
         power_aerodynamic=mean(result.power_aerodynamic),
         power_inertial=mean(result.power_inertial),
         power_positive=mean(np.maximum(power, 0.0)),
+        wake_lost=_wake_lost(result, np.concatenate(beats)) if "wake_lost" in result.variables else None,
+        wake_crossings=int(result.wake_crossings[-1]) if "wake_crossings" in result.variables else None,
     )
+
+
+def _wake_lost(result: Result, frames: NDArray[np.intp]) -> float:
+    """Velocity that the wake left out, over the speed of the middle of the chord through the fluid."""
+    stream_y, stream_z = result.case.fluid.velocity
+    plunge_rate, pitch_rate = (np.gradient(values, result.time)[frames] for values in (result.plunge, result.pitch))
+    turning = 0.5 * result.case.wing.chord * pitch_rate
+    speed = math.sqrt(float(np.mean((plunge_rate - stream_z) ** 2 + stream_y**2 + turning**2)))
+    lost = float(np.mean(result.wake_lost[frames]))
+    return lost / speed if speed else 0.0
 
 
 def whole_beats(case: Case, time: Array) -> list[NDArray[np.intp]]:

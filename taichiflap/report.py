@@ -55,6 +55,11 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     yield _line("mechanical power", _shown(summary.power, 1e3, "mW"))
     yield _line("  against the fluid", _shown(summary.power_aerodynamic, 1e3, "mW"))
     yield _line("  positive part alone", _shown(summary.power_positive, 1e3, "mW"))
+    if summary.wake_lost:
+        yield _line("wake left out", f"about {100 * summary.wake_lost:.2g} % of the wing's speed, and of the forces")
+    if summary.wake_crossings:
+        kept = "kept on their side" if case.uvlm.crossing == "reflect" else "let through"
+        yield _line("wake upon the wing", f"{summary.wake_crossings} vortices, {kept}")
     unrest = _unrest(summary)
     if unrest:
         yield f"warning: {unrest}"

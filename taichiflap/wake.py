@@ -72,7 +72,7 @@ def _settings(case: Case) -> list[float]:
         uvlm.core_growth,
         float(uvlm.old_wake == "absorb"),
         uvlm.absorb_beyond * chord,
-        math.exp(-case.motion.frequency * case.step),
+        math.exp(-case.step / case.beat),
         float(uvlm.crossing == "reflect"),
     ]
 

@@ -6,6 +6,7 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer.frames import Run
 
 import taichiflap
+from taichiflap.sections.uvlm import Uvlm
 
 pytestmark = pytest.mark.slow
 
@@ -62,3 +63,28 @@ def test_a_longer_wake_lowers_the_rigid_force():
         for wake in (200, 400, 1000)
     ]
     np.testing.assert_allclose(means, [3.1e-3, 2.8e-3, 2.7e-3], rtol=0.03)
+
+
+def accurate(*settings):
+    """The rigid hawkmoth with the settings of a new case."""
+    uvlm = "\n".join(f"uvlm.{key}={str(value).lower()}" for key, value in Uvlm().model_dump().items())
+    return hawkmoth(*uvlm.splitlines(), "wing.modes=0", "time.periods=9", *settings)
+
+
+def test_a_few_hundred_vortices_do_for_the_whole_wake_when_the_old_are_absorbed():
+    """Beats 4 to 9, before the whole wake grows unsteady of itself; and what was left out is estimated."""
+    cases = [
+        accurate("uvlm.wake=all"),
+        accurate("uvlm.wake=600"),
+        accurate("uvlm.wake=200", "uvlm.old_wake=drop"),
+        accurate("uvlm.wake=400", "uvlm.old_wake=drop"),
+    ]
+    results = taichiflap.simulate(cases)
+    forces = [result.force_vertical[-1200:].mean() for result in results]
+    assert forces[1] == pytest.approx(forces[0], rel=0.02)
+    estimates = [taichiflap.summarise(result).wake_lost for result in results]
+    assert estimates[0] == 0.0
+    assert estimates[1] < 0.002
+    for force, estimate in zip(forces[2:], estimates[2:], strict=True):
+        error = abs(force / forces[0] - 1)
+        assert estimate / 3 < error < 3 * estimate

@@ -19,7 +19,7 @@ def synthetic(case, **series):
         "power_inertial", "force_y", "force_z",
     )  # fmt: skip
     values = {name: series.get(name, np.zeros_like)(time) for name in names}
-    return SimpleNamespace(case=case, time=time, **values)
+    return SimpleNamespace(case=case, time=time, variables=tuple(values), **values)
 
 
 def beat(t):
