@@ -127,7 +127,7 @@ def info(file: Annotated[Path, typer.Argument(help="result file, or map", show_d
 
 @app.command()
 def plot(
-    file: Annotated[Path, typer.Argument(help="result file", show_default=False)],
+    file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)],
     other: Annotated[Path | None, typer.Argument(help="a second one, to compare", show_default=False)] = None,
     output: Annotated[
         Path | None,
@@ -135,11 +135,19 @@ def plot(
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing figures")] = False,
 ) -> None:
-    """Draw the last beat for print: a summary of one result or two, and the wing of each, as PNG and SVG."""
+    """Draw for print, as PNG and SVG: the last beat of one result or two, and the wing of each; or a map."""
     from contextlib import ExitStack
 
+    from .maps import is_map, open_map
     from .results import open_result
 
+    if other is None and is_map(file):
+        from . import map_plots
+
+        with open_map(file) as sheet:
+            for path in map_plots.plot(sheet, output, overwrite):
+                print(f"{path} written")
+        return
     with ExitStack() as stack:
         results = [stack.enter_context(open_result(path)) for path in (file, other) if path is not None]
         from .plots import plot as draw
@@ -230,6 +238,8 @@ def reproduce(
 
 
 app.command()(studies.sweep)
+app.command()(studies.converge)
+app.command()(studies.optimise)
 
 
 @app.command()

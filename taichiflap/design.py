@@ -108,7 +108,7 @@ def design(case: Case, vary: Mapping[str, Any], sample: str | None = None, seed:
     if not vary:
         raise DesignError("nothing varies: give --vary KEY=a:b:n at least once")
     document = case.to_dict()
-    specs = {key: _Spec.read(key, spec, document) for key, spec in vary.items()}
+    specs = {key: Spread.read(key, spec, document) for key, spec in vary.items()}
     if sample is None:
         axes = tuple(Axis(key, spec.values()) for key, spec in specs.items())
     else:
@@ -139,8 +139,8 @@ def read_vary(options: Sequence[str]) -> dict[str, str]:
 
 
 @dataclass(frozen=True)
-class _Spec:
-    """What `--vary` says of one key: a list of values, or a range."""
+class Spread:
+    """What `--vary` says of one key: a list of values, or a range, over which `at` spreads the unit interval."""
 
     label: str
     listed: tuple[Value, ...] = ()
@@ -151,7 +151,12 @@ class _Spec:
     whole: bool = False
 
     @classmethod
-    def read(cls, key: str, spec: Any, document: Mapping[str, Any]) -> "_Spec":
+    def read(cls, key: str, spec: Any, document: Mapping[str, Any]) -> "Spread":
+        """Read the specification of a key; `document` is the base case as nested dictionaries.
+
+        Raises:
+            DesignError: when it cannot be.
+        """
         label = f"--vary {key}={spec}" if isinstance(spec, str) else f"vary {key}"
         held = _held(document, key)
         whole = isinstance(held, int) and not isinstance(held, bool)
@@ -172,7 +177,7 @@ class _Spec:
         return cls(label, listed=values)
 
     @classmethod
-    def _range(cls, label: str, parts: list[str], whole: bool) -> "_Spec":
+    def _range(cls, label: str, parts: list[str], whole: bool) -> "Spread":
         log = parts[-1].strip() == "log"
         numbers = parts[: len(parts) - log]
         try:
@@ -205,11 +210,11 @@ class _Spec:
         return values
 
     def at(self, unit: np.ndarray) -> tuple[Value, ...]:
-        """The values at points of the unit interval."""
+        """The values at points of the unit interval, shape (points,)."""
         if self.listed:
-            return tuple(self.listed[i] for i in np.floor(unit * len(self.listed)).astype(int))
+            return tuple(self.listed[min(int(u * len(self.listed)), len(self.listed) - 1)] for u in unit)
         if self.count:
-            raise DesignError(f"{self.label}: with --sample give the range alone, a:b or a:b:log")
+            raise DesignError(f"{self.label}: give the range alone here, a:b or a:b:log")
         if self.log:
             return self._typed(self.low * (self.high / self.low) ** unit)
         return self._typed(self.low + (self.high - self.low) * unit)

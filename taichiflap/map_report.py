@@ -25,10 +25,9 @@ def map_lines(sheet: Map) -> Iterator[str]:
     for name in SHOWN:
         if name in sheet.metrics:
             yield from _extremes(sheet, name)
-    for number in np.flatnonzero(status == FAILED)[:REASONS]:
-        outcome = sheet.outcome(int(number))
-        if outcome is not None:
-            yield _line("failed", f"{', '.join(design.settings(int(number)))}: {outcome.reason}")
+    failed = np.flatnonzero(status == FAILED)[:REASONS].tolist()
+    for number, outcome in zip(failed, sheet.outcomes(failed), strict=True):
+        yield _line("failed", f"{', '.join(design.settings(number))}: {outcome and outcome.reason}")
 
 
 def _extremes(sheet: Map, name: str) -> Iterator[str]:

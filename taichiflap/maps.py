@@ -93,15 +93,20 @@ class Map:
         """Unit of a metric or of a key."""
         return str(self.file[name].attrs.get("units", ""))
 
-    def outcome(self, number: int) -> Outcome | None:
-        """Metrics of a case, or why it has none; None if it has yet to run."""
-        place = np.unravel_index(number, self.design.shape)
-        status = self.file["status"][place]
-        if status == TO_DO:
-            return None
-        if status == FAILED:
-            return Outcome(reason=self.file["reason"].asstr()[place])
-        return Outcome({name: float(self.file[name][place]) for name in self.metrics})
+    def outcomes(self, numbers: Sequence[int]) -> list[Outcome | None]:
+        """For each of some cases its metrics, or why it has none; None if it has yet to run."""
+        status = self.status
+        columns = {name: self.values(name).ravel() for name in self.metrics}
+        found: list[Outcome | None] = []
+        for number in numbers:
+            if status[number] == FAILED:
+                place = np.unravel_index(number, self.design.shape)
+                found.append(Outcome(reason=self.file["reason"].asstr()[place]))
+            elif status[number] == COMPLETE:
+                found.append(Outcome({name: float(column[number]) for name, column in columns.items()}))
+            else:
+                found.append(None)
+        return found
 
     def record(self, numbers: Sequence[int], outcomes: Sequence[Outcome]) -> None:
         """Store what came of some cases, and flush it to the disk.

@@ -38,7 +38,7 @@ STYLES: Any = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
 MANY_DOTS = 6000
 """More dots than this are drawn as pixels in an SVG, lest it take minutes to open."""
 
-_STYLE: Any = {
+STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "axes.labelsize": 8,
@@ -81,7 +81,7 @@ def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = 
         for kind in FORMATS:
             path = stem.with_name(f"{stem.name}-{name}.{kind}")
             metadata = {"Date": None} if kind == "svg" else None
-            with outputs.replacing(path) as file, mpl.rc_context(_STYLE):
+            with outputs.replacing(path) as file, mpl.rc_context(STYLE):
                 figure.savefig(file, format=kind, dpi=RESOLUTION, metadata=metadata)
     return paths
 
@@ -92,7 +92,7 @@ def summary(results: Sequence[Result]) -> Figure:
     Raises:
         SceneError: when a result has no whole beat.
     """
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 4.9), layout="constrained")
         axes = list(figure.subplots(2, 2, sharex=True).flat)
         handles, names = [], _names(results)
@@ -149,7 +149,7 @@ def wing(result: Result) -> Figure:
     height = min(2.0 * cell * (top - bottom) / (right - left) + 1.15, 9.0)
     head = 1.0 - 0.13 / height
     layout = ConstrainedLayoutEngine(compress=True, rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, height), layout=layout)
         axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):

@@ -1,4 +1,4 @@
-"""Commands that run many cases: sweep."""
+"""Commands that run many cases: sweep, converge, optimise."""
 
 import sys
 from collections.abc import Iterator
@@ -46,6 +46,79 @@ def sweep(
         with interruptible(advice), progress(case.title or "sweep") as tell:
             study.fill(sheet, cluster=cluster, threads=threads, progress=tell)
         _print_map(sheet)
+
+
+def converge(
+    case_file: CaseFile,
+    tolerance: Annotated[str, typer.Option(help="largest change of a metric that is allowed, such as 1%")] = "1%",
+    metric: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="hold this metric; may be repeated  [default: vertical force, power, tip]"),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="map of its cases  [default: the case's name -converge.h5]"),
+    ] = None,
+    settings: Settings = None,
+    cluster: Cluster = None,
+    threads: Threads = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the file of another study")] = False,
+) -> None:
+    """Find how fine is fine enough: panels or elements, steps, wake, beats and modes; exit code 1 if not found."""
+    from .. import map_plots
+    from ..case import load_case
+    from ..studies import converge as study
+
+    share = study.read_tolerance(tolerance)
+    case = load_case(case_file, settings or ())
+    path = output or Path(f"{case_file.stem}-converge.h5")
+    with interruptible(f"{path} keeps every finished case; the same command goes on"):
+        found = study.converge(
+            case, share, path, metrics=metric or (), cluster=cluster, threads=threads, overwrite=overwrite,
+            told=lambda trial: print(study.line(trial), flush=True),
+        )  # fmt: skip
+    for figure in map_plots.convergence(found, path.with_suffix("")):
+        print(f"{figure} written")
+    print("\n".join(study.verdict(found)))
+    if found.open:
+        raise typer.Exit(1)
+
+
+def optimise(
+    case_file: CaseFile,
+    vary: Vary,
+    maximise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to make large")] = None,
+    minimise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to make small")] = None,
+    subject_to: Annotated[
+        list[str] | None, typer.Option("--subject-to", metavar="EXPR", help="condition, A >= B or A <= B; repeatable")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="map of the search  [default: the case's name -optimum.h5]")
+    ] = None,
+    generations: Annotated[int, typer.Option(min=1, help="generations at most")] = 40,
+    population: Annotated[int, typer.Option(min=5, help="cases in a generation")] = 32,
+    seed: Annotated[int, typer.Option(min=0, help="seed of the search")] = 0,
+    settings: Settings = None,
+    cluster: Cluster = None,
+    threads: Threads = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the map of another study")] = False,
+) -> None:
+    """Search ranges of keys for the best case, by differential evolution; exit code 1 if none meets the conditions."""
+    from ..case import load_case
+    from ..design import read_vary
+    from ..studies import optimise as study
+
+    case = load_case(case_file, settings or ())
+    path = output or Path(f"{case_file.stem}-optimum.h5")
+    with interruptible(f"{path} keeps every finished case; the same command goes on"):
+        best = study.optimise(
+            case, read_vary(vary), maximise, minimise, subject_to or (), path, generations=generations,
+            population=population, seed=seed, cluster=cluster, threads=threads, overwrite=overwrite,
+            told=lambda number, one: print(f"generation {number:3d}: {study.line(one)}", flush=True),
+        )  # fmt: skip
+    print("\n".join(study.verdict(best, path)))
+    if best is None or not best.holds:
+        raise typer.Exit(1)
 
 
 @contextmanager

@@ -1,0 +1,208 @@
+"""How fine is fine enough: refine one key after the other until the chosen metrics hold still.
+
+The rule: a key is doubled (modes: one more) from where the case has it. A value is fine enough when its next two
+refinements both leave every chosen metric within the tolerance of it; the keys after it are refined from there. With
+the time step the number of wake vortices is refined too, so that the wake stays as long. At the end the lattice and
+the time step are refined once more together, which tells whether one key at a time was good enough.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..case import Case
+from ..errors import UserError
+from .ledger import Ledger, Point
+from .quantities import choose
+
+METRICS = ("force_vertical_mean", "power_mean", "tip_peak_mean")
+REFINEMENTS = 5
+"""A key is refined at most so often: 32 times finer, or 5 modes more."""
+STEPS, WAKE, MODES, PERIODS = "time.steps_per_period", "uvlm.wake", "wing.modes", "time.periods"
+ALONG_CHORD = {"uvlm": "uvlm.panels", "dbet": "dbet.elements"}
+
+Told = Callable[["Trial"], None]
+
+
+class ConvergeError(UserError):
+    """A study of convergence that cannot be: one sentence."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One value of a key, the metrics there, and their largest change from the value before, as a share."""
+
+    key: str
+    value: int
+    metrics: dict[str, float]
+    change: float = float("nan")
+
+
+@dataclass
+class Convergence:
+    """The path of the search.
+
+    Attributes:
+        tolerance: as a share.
+        trials: every value of every key, in order, with the largest change of a metric from the value before.
+        accepted: the value of each key that is fine enough.
+        open: keys that were not yet fine enough at their finest.
+        together: the largest change when lattice and time step are refined once more together.
+    """
+
+    tolerance: float
+    trials: list[Trial] = field(default_factory=list)
+    accepted: dict[str, int] = field(default_factory=dict)
+    open: list[str] = field(default_factory=list)
+    together: float = float("nan")
+
+    @property
+    def settings(self) -> list[str]:
+        """The accepted values as `--set` takes them."""
+        return [f"{key}={value}" for key, value in self.accepted.items()]
+
+
+def read_tolerance(text: str) -> float:
+    """A share from `1%` or `0.01`.
+
+    Raises:
+        ConvergeError: when it is neither, or not between 0 and 1.
+    """
+    try:
+        value = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1.0:
+        raise ConvergeError(f"--tolerance {text}: write a share such as 1% or 0.01, between 0 and 1")
+    return value
+
+
+def converge(
+    case: Case,
+    tolerance: float = 0.01,
+    output: str | Path | None = None,
+    *,
+    metrics: Sequence[str] = (),
+    cluster: str | None = None,
+    threads: int | None = None,
+    told: Told | None = None,
+    overwrite: bool = False,
+) -> Convergence:
+    """Find panels or elements, time steps, wake length, beats and modes that hold metrics within a tolerance.
+
+    Args:
+        case: where to start from.
+        tolerance: as a share, such as 0.01.
+        output: the file that keeps every case, so that none is run twice; in memory if None.
+        metrics: which are to hold; vertical force, power and tip deflection if empty.
+        told: called with every trial.
+
+    Raises:
+        UserError: for a metric, a file or a cluster that cannot be; for a case that fails.
+    """
+    chosen = choose(metrics or METRICS)
+    start = _start(case)
+    path = None if output is None else Path(output)
+    with Ledger(case, start, path, cluster=cluster, threads=threads, overwrite=overwrite) as ledger:
+        search = _Search(case, ledger, chosen, Convergence(tolerance), told)
+        for key in start:
+            start = search.refine(key, start)
+        search.found.accepted = dict(start)
+        finer = {**start}
+        for key in start:
+            if key not in (PERIODS, MODES, WAKE):
+                finer = _refined(finer, key, case)
+        search.found.together = search.change(search.metrics([start, finer]))
+        return search.found
+
+
+def _start(case: Case) -> dict[str, int]:
+    along = ALONG_CHORD[case.solver]
+    table, _, key = along.partition(".")
+    start = {along: int(getattr(getattr(case, table), key)), STEPS: case.time.steps_per_period}
+    if case.solver == "uvlm" and case.uvlm.wake != "all":
+        start[WAKE] = case.uvlm.wake
+    start[PERIODS] = case.time.periods
+    return start | ({MODES: case.wing.modes} if case.wing.modes else {})
+
+
+def _refined(point: dict[str, int], key: str, case: Case) -> dict[str, int]:
+    finer = {**point, key: point[key] + 1 if key == MODES else 2 * point[key]}
+    if key == STEPS and WAKE in point:
+        finer[WAKE] = 2 * point[WAKE]
+    if WAKE in finer:
+        finer[WAKE] = min(finer[WAKE], finer[STEPS] * finer[PERIODS] + 1)
+    return finer
+
+
+@dataclass
+class _Search:
+    case: Case
+    ledger: Ledger
+    chosen: list[str]
+    found: Convergence
+    told: Told | None
+
+    def refine(self, key: str, start: dict[str, int]) -> dict[str, int]:
+        """The coarsest point along a key whose next two refinements change little."""
+        points = [start]
+        while len(points) <= REFINEMENTS:
+            finer = _refined(points[-1], key, self.case)
+            if finer == points[-1]:
+                break  # the wake is whole: there is none finer
+            points.append(finer)
+        whole = len(points) <= REFINEMENTS
+        metrics = self.metrics(points[:3])
+        for i in range(len(points)):
+            if i + 3 > len(metrics) < len(points):
+                metrics += self.metrics([points[len(metrics)]])
+            ahead = metrics[i + 1 : i + 3]
+            still = all(self.change([metrics[i], one]) <= self.found.tolerance for one in ahead)
+            if still and (len(ahead) == 2 or whole):
+                break
+        else:
+            self.found.open.append(key)
+        for n, one in enumerate(metrics):
+            change = self.change(metrics[n - 1 : n + 1]) if n else float("nan")
+            self._tell(Trial(key, points[n][key], one, change))
+        return points[i]
+
+    def metrics(self, points: Sequence[dict[str, int]]) -> list[dict[str, float]]:
+        """Chosen metrics at some points, computed together."""
+        tuples: list[Point] = [tuple(point.values()) for point in points]
+        found = []
+        for point, outcome in zip(points, self.ledger.outcomes(tuples), strict=True):
+            if outcome.reason:
+                where = ", ".join(f"{key}={value}" for key, value in point.items())
+                raise ConvergeError(f"the case with {where} failed: {outcome.reason}")
+            found.append({name: outcome.metrics[name] for name in self.chosen})
+        return found
+
+    def change(self, pair: Sequence[dict[str, float]]) -> float:
+        """Largest change of a chosen metric, as a share of the larger value."""
+        first, second = pair
+        return max(_share(first[name], second[name]) for name in self.chosen)
+
+    def _tell(self, trial: Trial) -> None:
+        self.found.trials.append(trial)
+        if self.told:
+            self.told(trial)
+
+
+def _share(first: float, second: float) -> float:
+    size = max(abs(first), abs(second))
+    return abs(first - second) / size if size else 0.0
+
+
+def line(trial: Trial) -> str:
+    """A trial as a row of the table."""
+    values = "".join(f"  {name} {value:.6g}" for name, value in trial.metrics.items())
+    change = "" if trial.change != trial.change else f"  changed by {100.0 * trial.change:.3g} %"
+    return f"{trial.key:<22}{trial.value:>8}{values}{change}"
+
+
+def verdict(found: Convergence) -> list[str]:
+    """What was found, in lines."""
+    lines = [f"NOT within {100.0 * found.tolerance:g} % at its finest: {key}" for key in found.open]
+    lines.append(f"lattice and time step refined once more together: {100.0 * found.together:.3g} %")
+    return [*lines, " ".join(f"--set {setting}" for setting in found.settings)]

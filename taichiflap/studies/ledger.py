@@ -1,0 +1,94 @@
+"""A growing map: the points that a search has come to, each computed once, whatever asks for it and whenever."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from .. import maps
+from .._version import __version__
+from ..case import Case
+from ..design import Axis, Design, Value
+from ..maps import MapError, Outcome
+from .quantities import QUANTITIES
+from .sweep import fill
+
+Point = tuple[Value, ...]
+Progress = Callable[[float, int], None]
+
+
+class Ledger:
+    """What came of every point of some keys that was ever asked for; a file keeps it from one run to the next.
+
+    Args:
+        case: the base case.
+        first: a point by key; it fixes which keys vary, and is the first to be computed.
+        path: the map file; in memory if None. A file of the same case and keys is gone on with.
+        cluster, threads: as `sweep` takes them.
+        overwrite: replace a file of another study.
+
+    Raises:
+        MapError: when the file belongs to another study, or cannot be written.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        first: Mapping[str, Value],
+        path: Path | None,
+        *,
+        cluster: str | None = None,
+        threads: int | None = None,
+        overwrite: bool = False,
+    ) -> None:
+        self.keys = tuple(first)
+        self.cluster, self.threads = cluster, threads
+        if path is not None and path.exists() and not path.is_dir() and not overwrite:
+            self.sheet = maps.open_map(path, write=True)
+            self._check(case)
+        else:
+            design = Design(tuple(Axis(key, (value,)) for key, value in first.items()), grid=False)
+            self.sheet = maps.create(path, case, design, QUANTITIES)
+        columns = [axis.values for axis in self.sheet.design.axes]
+        self._numbers: dict[Point, int] = {point: i for i, point in enumerate(zip(*columns, strict=True))}
+        self._found: dict[int, Outcome] = {}
+        self._read(range(self.sheet.design.size))
+
+    def __enter__(self) -> "Ledger":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.sheet.close()
+
+    def outcomes(self, points: Sequence[Point], progress: Progress | None = None) -> list[Outcome]:
+        """What came of some points, in the order of `keys`; those that are new are computed together.
+
+        Raises:
+            UserError: as `sweep` does.
+        """
+        new = [point for point in dict.fromkeys(points) if point not in self._numbers]
+        if new:
+            axes = [Axis(key, values) for key, values in zip(self.keys, zip(*new, strict=True), strict=True)]
+            self._numbers.update(zip(new, self.sheet.extend(axes), strict=True))
+        numbers = [self._numbers[point] for point in points]
+        missing = [number for number in numbers if number not in self._found]
+        if missing:
+            fill(self.sheet, cluster=self.cluster, threads=self.threads, progress=progress)
+            self._read(missing)
+        return [self._found[number] for number in numbers]
+
+    def _read(self, numbers: Sequence[int]) -> None:
+        for number, outcome in zip(numbers, self.sheet.outcomes(numbers), strict=True):
+            if outcome is not None:
+                self._found[number] = outcome
+
+    def _check(self, case: Case) -> None:
+        sheet = self.sheet
+        same = sheet.case.to_dict() == case.to_dict() and sheet.metrics == list(QUANTITIES)
+        version = sheet.file.attrs["source"].split()[-1]
+        if sheet.design.grid or not same or tuple(axis.key for axis in sheet.design.axes) != self.keys:
+            reason = "of another case, --set or keys"
+        elif version != __version__:
+            reason = f"of taichiflap {version}"
+        else:
+            return
+        sheet.close()
+        raise MapError(f"{sheet.path}: holds a study {reason}; name another file with -o, or --overwrite this one")

@@ -1,0 +1,262 @@
+"""Convergence and optimum: rules that a known function obeys, and real cases that are never run twice."""
+
+import numpy as np
+import pytest
+from conftest import hawkmoth
+
+import taichiflap
+from taichiflap import map_plots, maps
+from taichiflap.design import DesignError, design
+from taichiflap.errors import UserError
+from taichiflap.maps import MapError, Outcome
+from taichiflap.studies import converge as convergence
+from taichiflap.studies.converge import ConvergeError, converge, read_tolerance
+from taichiflap.studies.expression import ExpressionError, read_constraint, read_expression
+from taichiflap.studies.optimise import optimise
+from taichiflap.studies.quantities import QUANTITIES
+
+SHORT = ("solver=dbet", "time.periods=2", "time.steps_per_period=40", "dbet.elements=8")
+
+
+def pretend(monkeypatch, metrics):
+    """Runs nothing: a case's metrics are what `metrics` gives for it. Returns the list of cases asked for."""
+    asked = []
+
+    def compute(cases, *_):
+        asked.extend(cases)
+        return [Outcome(dict.fromkeys(QUANTITIES, 1.0) | metrics(case)) for case in cases]
+
+    monkeypatch.setattr("taichiflap.studies.sweep.compute", compute)
+    return asked
+
+
+def test_expressions_are_arithmetic():
+    metrics = {"force_vertical_mean": 3.0, "power_mean": 2.0, "tip_peak_mean": 0.0}
+    for text, value in {
+        "vertical_force_mean / power_mean": 1.5,
+        "-force_vertical_mean ** 2 + 1": -8.0,
+        "sqrt(abs(-4 * force_vertical_mean * 3))": 6.0,
+        "max(power_mean, 3.5) - min(power_mean, 1)": 2.5,
+        "power_mean / tip_peak_mean": np.inf,
+    }.items():
+        assert read_expression(text).of(metrics) == value
+    assert read_constraint("vertical_force_mean >= 2.5").of(metrics) == pytest.approx(0.5 / 5.5)
+    assert read_constraint("2.5 >= vertical_force_mean").of(metrics) == pytest.approx(-0.5 / 5.5)
+    assert read_constraint("tip_peak_mean <= 0").of(metrics) == 0.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').system('true')", "power_mean.real", "power_mean[0]", "(lambda: power_mean)()", "",
+        "'a' * power_mean", "power_mean if 1 else 2", "power_mean >= 1", "power_mean +", "1 + 1", "exp(power_mean)",
+        "abs(power_mean, 1)", "power_mean // 2", "True * power_mean", "abs(x=power_mean)", "(" * 500 + "power_mean",
+    ],
+)  # fmt: skip
+def test_anything_but_arithmetic_is_refused(text):
+    with pytest.raises(ExpressionError) as refused:
+        read_expression(text)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("text", ["power_mean", "1 < power_mean < 2", "power_mean == 1", "power_mean >"])
+def test_a_condition_is_one_comparison(text):
+    with pytest.raises(ExpressionError):
+        read_constraint(text)
+
+
+def bowl(case):
+    """Least where the modulus is 2e10 Pa and the pitch 20 degrees."""
+    off = np.log10(case.wing.youngs_modulus / 2e10) ** 2 + (case.motion.pitch.amplitude_deg / 20 - 1) ** 2
+    return {"power_mean": 1.0 + off, "force_vertical_mean": case.motion.pitch.amplitude_deg}
+
+
+MODULUS = {"wing.youngs_modulus": "1e9:1e11:5:log"}
+RANGES = {"wing.youngs_modulus": "5e9:60e9:log", "motion.pitch.amplitude_deg": "5:45"}
+
+
+def test_the_optimum_of_a_bowl_is_its_bottom_or_the_edge_of_what_is_allowed(monkeypatch):
+    pretend(monkeypatch, bowl)
+    best = optimise(hawkmoth(*SHORT), RANGES, minimise="power_mean", population=16)
+    assert best.holds
+    assert best.value == pytest.approx(1.0, abs=1e-3)
+    assert best == optimise(hawkmoth(*SHORT), RANGES, minimise="power_mean", population=16)
+    limited = optimise(
+        hawkmoth(*SHORT), RANGES, maximise="-power_mean", subject_to=["vertical_force_mean >= 30"], population=16
+    )
+    assert limited.holds
+    assert limited.value == pytest.approx(-1.25, abs=5e-3)
+    impossible = optimise(
+        hawkmoth(*SHORT), RANGES, minimise="power_mean", subject_to=["power_mean <= 0.5"], population=8, generations=5
+    )
+    assert not impossible.holds
+
+
+def test_a_search_that_was_interrupted_goes_on_and_stands_in_its_map(monkeypatch, tmp_path):
+    asked = pretend(monkeypatch, bowl)
+    options = {"minimise": "power_mean", "population": 8, "generations": 6, "seed": 3}
+    whole = optimise(hawkmoth(*SHORT), RANGES, **options)
+    every = len(asked)
+
+    def stop(generation, _best):
+        if generation == 3:
+            raise KeyboardInterrupt
+
+    asked.clear()
+    with pytest.raises(KeyboardInterrupt):
+        optimise(hawkmoth(*SHORT), RANGES, output=tmp_path / "optimum.h5", told=stop, **options)
+    assert 0 < len(asked) < every
+    assert optimise(hawkmoth(*SHORT), RANGES, output=tmp_path / "optimum.h5", **options) == whole
+    assert len(asked) == every
+    with maps.open_map(tmp_path / "optimum.h5") as sheet:
+        assert sheet.design.size == every
+        assert sheet.file.attrs["objective"] == "power_mean"
+        assert sheet.values("power_mean").min() == whole.value
+    with pytest.raises(MapError, match="another case, --set or keys"):
+        optimise(hawkmoth(*SHORT, "wing.modes=0"), RANGES, output=tmp_path / "optimum.h5", **options)
+
+
+def test_an_optimum_of_real_cases_beats_a_grid():
+    case = hawkmoth(*SHORT)
+    best = optimise(
+        case, RANGES, "lift_per_power", subject_to=["tip_peak_mean <= 0.008"], population=12, generations=15
+    )
+    grid = taichiflap.sweep(case, {"wing.youngs_modulus": "5e9:60e9:5:log", "motion.pitch.amplitude_deg": "5:45:5"})
+    allowed = grid.lift_per_power.where(grid.tip_peak_mean <= 0.008)
+    assert best.holds
+    assert best.value >= 0.99 * float(allowed.max())
+    assert best.value == best.metrics["lift_per_power"]
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        ({}, "say what to look for"),
+        ({"minimise": "power_mean", "maximise": "power_mean"}, "say what to look for"),
+        ({"minimise": "pwer_mean"}, "did you mean power_mean?"),
+        ({"minimise": "power_mean", "vary": {}}, "nothing varies"),
+        ({"minimise": "power_mean", "vary": {"wing.chrod": "1:2"}}, "did you mean wing.chord?"),
+        ({"minimise": "power_mean", "vary": {"wing.chord": "1:2:3"}}, "give the range alone"),
+        ({"minimise": "power_mean", "population": 3}, "at least 5"),
+    ],
+)
+def test_a_search_that_cannot_be_is_refused(more, sentence):
+    with pytest.raises(UserError) as refused:
+        optimise(hawkmoth(*SHORT), **{"vary": RANGES, **more})
+    assert sentence in str(refused.value)
+
+
+def second_order(case):
+    """Errors that fall with the square of the elements and of the step, and are alike for the modes."""
+    error = (8 / case.dbet.elements) ** 2 + 0.5 * (40 / case.time.steps_per_period) ** 2
+    return {"force_vertical_mean": 1.0 + 0.04 * error, "power_mean": 2.0, "tip_peak_mean": 0.0}
+
+
+def test_convergence_follows_its_rule(monkeypatch, tmp_path):
+    asked = pretend(monkeypatch, second_order)
+    found = converge(hawkmoth(*SHORT), 0.01, tmp_path / "c.h5")
+    # With 8 elements the next two values differ by 4 % * (1 - 1/4) and (1 - 1/16), with 16 by a quarter of that.
+    assert found.accepted == {
+        "dbet.elements": 16, "time.steps_per_period": 80, "time.periods": 2, "wing.modes": 1,
+    }  # fmt: skip
+    assert (found.open, len(asked), len(set(map(repr, asked)))) == ([], 12, 12)
+    assert found.together == pytest.approx(0.04 * (0.25 + 0.125) * 0.75, rel=0.05)
+    assert found.settings[0] == "dbet.elements=16"
+    again = converge(hawkmoth(*SHORT), 0.01, tmp_path / "c.h5")
+    assert (len(asked), again.trials[1:4]) == (12, found.trials[1:4])
+    for path in map_plots.convergence(found, tmp_path / "c"):
+        assert path.stat().st_size > 5000
+    assert any("together" in line for line in convergence.verdict(found))
+
+
+def test_what_never_converges_is_said(monkeypatch):
+    pretend(monkeypatch, lambda case: {"force_vertical_mean": np.log(case.dbet.elements)})
+    found = converge(hawkmoth(*SHORT), 0.01)
+    assert found.open == ["dbet.elements"]
+    assert found.accepted["dbet.elements"] == 8 * 2**5
+    assert "NOT within 1 %" in convergence.verdict(found)[0]
+
+
+def test_a_wake_stays_as_long_when_steps_are_refined_and_is_at_most_whole(monkeypatch):
+    case = hawkmoth("time.periods=2", "time.steps_per_period=50", "uvlm.panels=8", "uvlm.wake=30")
+    asked = pretend(monkeypatch, lambda one: {"force_vertical_mean": 1.0 + 0.1 * (one.uvlm.wake < 60)})
+    found = converge(case, 0.01)
+    refined = [one for one in asked if one.time.steps_per_period == 100]
+    assert {one.uvlm.wake for one in refined} >= {60}
+    assert all(one.uvlm.wake <= one.steps + 1 for one in asked)
+    assert found.accepted["uvlm.wake"] >= 60
+
+
+def test_convergence_of_a_real_case_holds_against_a_much_finer_one():
+    found = converge(hawkmoth(*SHORT), 0.02, metrics=["power_mean"])
+    assert found.open == []
+    fine = hawkmoth(*SHORT, "dbet.elements=100", "time.steps_per_period=400")
+    coarse = hawkmoth(*SHORT).override(*found.settings)
+    power = [taichiflap.summarise(taichiflap.simulate(one)).power.mean for one in (coarse, fine)]
+    assert power[0] == pytest.approx(power[1], rel=0.02)
+
+
+@pytest.mark.parametrize("text", ["1", "0", "-1%", "100%", "little"])
+def test_a_tolerance_is_a_share(text):
+    with pytest.raises(ConvergeError, match="write a share such as 1%"):
+        read_tolerance(text)
+    assert read_tolerance("1%") == read_tolerance("0.01") == 0.01
+
+
+def filled(vary, values, sample=None):
+    """A map in memory that holds given values of lift and power."""
+    planned = design(hawkmoth(), vary, sample)
+    sheet = maps.create(None, hawkmoth(), planned, QUANTITIES)
+    sheet.record(
+        range(planned.size), [Outcome(dict.fromkeys(QUANTITIES, 1.0) | values(i)) for i in range(planned.size)]
+    )
+    return sheet
+
+
+def test_no_point_of_a_pareto_front_is_beaten_and_all_others_are(rng):
+    cost, gain = rng.normal(size=(2, 200))
+    cost[3] = np.nan
+    front = map_plots.pareto_front(cost, gain)
+    beaten = [np.any((cost <= cost[i]) & (gain >= gain[i]) & ((cost < cost[i]) | (gain > gain[i]))) for i in range(200)]
+    assert set(front) == {i for i in range(200) if not beaten[i]} - {3}
+    assert np.all(np.diff(cost[front]) > 0)
+    assert not len(map_plots.pareto_front(np.array([np.nan]), np.array([1.0])))
+
+
+@pytest.mark.parametrize(
+    ("vary", "sample", "names"),
+    [
+        (
+            {"wing.youngs_modulus": "1e9:1e11:5:log", "wing.modes": "1,2,3", "solver": "dbet,uvlm"},
+            None,
+            ["map", "pareto"],
+        ),
+        ({"wing.youngs_modulus": "1e9:1e11:5:log", "solver": "dbet,uvlm"}, None, ["lines", "pareto"]),
+        ({"wing.youngs_modulus": "1e9:1e11:log", "solver": "dbet,uvlm"}, "lhs:20", ["scatter", "pareto"]),
+    ],
+)
+def test_a_map_is_drawn_in_the_way_that_suits_it(vary, sample, names, tmp_path):
+    with filled(vary, lambda i: {"force_vertical_mean": 1e-3 * i, "power_mean": 1e-3 * (i % 7)}, sample) as sheet:
+        paths = map_plots.plot(sheet, tmp_path / "fig")
+        assert [path.name for path in paths] == [f"fig-{name}.{kind}" for name in names for kind in ("png", "svg")]
+        assert "mathdefault" not in paths[1].read_text()
+        with pytest.raises(UserError, match="exists already"):
+            map_plots.plot(sheet, tmp_path / "fig")
+
+
+def test_the_heat_map_shows_the_values_of_the_map():
+    vary = {"solver": "dbet,uvlm", "wing.modes": "1,2", "motion.frequency": "10:30:3"}
+    with filled(vary, lambda i: {"force_vertical_mean": 1e-3 * i}) as sheet:
+        figure = map_plots.heat_maps(sheet, ["force_vertical_mean"])
+        drawn = [ax.collections[0].get_array().ravel() for ax in figure.axes[:2]]
+    np.testing.assert_allclose(np.concatenate(drawn), np.arange(12.0), atol=1e-12)
+
+
+def test_a_map_without_a_numeric_key_has_no_figure():
+    with filled({"solver": "dbet,uvlm"}, lambda _i: {}) as sheet, pytest.raises(MapError, match="nothing to draw"):
+        map_plots.plot(sheet)
+
+
+def test_designs_of_a_search_are_ranges():
+    with pytest.raises(DesignError, match="how many values"):
+        design(hawkmoth(), {"wing.chord": "0.01:0.02"})
