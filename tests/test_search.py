@@ -196,6 +196,11 @@ def test_convergence_of_a_real_case_holds_against_a_much_finer_one():
     assert power[0] == pytest.approx(power[1], rel=0.02)
 
 
+def test_steps_that_are_no_number_cannot_be_refined():
+    with pytest.raises(ConvergeError, match="give them as numbers"):
+        converge(hawkmoth("time.steps_per_period=auto"))
+
+
 @pytest.mark.parametrize("text", ["1", "0", "-1%", "100%", "little"])
 def test_a_tolerance_is_a_share(text):
     with pytest.raises(ConvergeError, match="write a share such as 1%"):

@@ -12,6 +12,7 @@ from conftest import CASES, hawkmoth
 
 import taichiflap
 from taichiflap import maps
+from taichiflap.case import parse_case
 from taichiflap.design import design, read_vary
 from taichiflap.errors import UserError
 from taichiflap.studies import batch, quantities
@@ -139,6 +140,22 @@ def test_harmonics_are_those_of_a_known_series(case):
         "force_normal_harmonic_3_phase": np.degrees(-1.0),
     }.items():
         assert found[name] == pytest.approx(value, abs=1e-12), name
+
+
+def test_a_motion_that_does_not_repeat_has_means_and_no_harmonics():
+    case = parse_case(
+        {
+            "solver": "dbet",
+            "wing": hawkmoth().to_dict()["wing"],
+            "motion": {"plunge": {"kind": "table", "points": [[0.0, 0.0], [0.02, 0.01], [0.03, 0.02], [0.05, 0.02]]}},
+            "time": {"duration": 0.05, "step": 1e-3},
+        }
+    )
+    sheet = taichiflap.sweep(case, {"time.step": "1e-3,5e-4"})
+    assert (sheet.status == maps.COMPLETE).all()
+    with taichiflap.simulate(case) as result:
+        same_bits(sheet.force_vertical_mean[0], taichiflap.summarise(result).force_vertical.mean)
+    assert sheet.force_normal_harmonic_1.isnull().all()
 
 
 def test_names_of_metrics_in_any_order_of_words():

@@ -119,10 +119,13 @@ def converge(
 def _start(case: Case) -> dict[str, int]:
     along = ALONG_CHORD[case.solver]
     table, _, key = along.partition(".")
-    start = {along: int(getattr(getattr(case, table), key)), STEPS: case.time.steps_per_period}
+    steps, periods = case.time.steps_per_period, case.time.periods
+    if not isinstance(steps, int) or periods is None:
+        raise ConvergeError(f"{STEPS} and {PERIODS}: give them as numbers to refine, with --set or in the case file")
+    start = {along: int(getattr(getattr(case, table), key)), STEPS: steps}
     if case.solver == "uvlm" and case.uvlm.wake != "all":
         start[WAKE] = case.uvlm.wake
-    start[PERIODS] = case.time.periods
+    start[PERIODS] = periods
     return start | ({MODES: case.wing.modes} if case.wing.modes else {})
 
 

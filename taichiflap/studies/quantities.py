@@ -133,7 +133,8 @@ def _further(run: Any, names: Sequence[str]) -> dict[str, float]:
             each = Statistic.over([float(np.mean(series[beat])) for beat in beats])
             values |= {f"{name}_mean": each.mean, f"{name}_spread": each.spread}
     for name in WITH_HARMONICS:
-        for n in ORDERS if any(one.startswith(f"{name}_harmonic") for one in names) else ():
+        wanted_too = run.case.periodic and any(one.startswith(f"{name}_harmonic") for one in names)
+        for n in ORDERS if wanted_too else ():
             amplitude = harmonic(run.case, run.time[frames], getattr(run, name)[frames], n)
             values[f"{name}_harmonic_{n}"] = abs(amplitude)
             values[f"{name}_harmonic_{n}_phase"] = float(np.angle(amplitude, deg=True))
