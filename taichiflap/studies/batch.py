@@ -115,7 +115,7 @@ def compute(
         pivot = np.zeros(1)  # no field along the chord is kept, so one node will do
         run = series.derive(cases[b], march.sections[b], pivot, march.motion[b], frames)
         kept = {name: run[name] for name in ("time", *SERIES)} if keep_series else {}
-        outcomes.append(Outcome(measure(SimpleNamespace(case=cases[b], **run), metrics), kept))
+        outcomes.append(Outcome(measure(SimpleNamespace(case=cases[b], variables=list(run), **run), metrics), kept))
     return outcomes
 
 

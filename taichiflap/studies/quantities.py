@@ -20,8 +20,10 @@ ORDERS = (1, 2, 3)
 WITH_HARMONICS = ("force_normal", "force_vertical", "tip_deflection")
 ALSO_MEANS = ("force_normal", "force_axial", "force_y", "force_z", "moment", "tip_deflection")
 """Variables whose cycle mean the summary does not hold."""
-SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and name != "circulation")
-"""The time series that a study can keep; the bound circulation belongs to a fluid's film, which it does not."""
+OF_FILM = ("circulation", "wake_lost")
+"""Series that belong to a fluid's film, which a study does not keep."""
+SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and name not in OF_FILM)
+"""The time series that a study can keep."""
 
 
 class QuantityError(UserError):
@@ -30,6 +32,8 @@ class QuantityError(UserError):
 
 def _of_summary() -> Iterable[str]:
     for field in fields(Summary):
+        if field.name in OF_FILM:
+            continue
         kinds = {field.type, *typing.get_args(field.type)}
         if Statistic in kinds:
             yield from (f"{field.name}_mean", f"{field.name}_spread")
