@@ -6,17 +6,28 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer.frames import Run
 
 import taichiflap
+from taichiflap import metrics, theory
+from taichiflap.case import parse_case
 from taichiflap.sections.uvlm import Uvlm
 
 pytestmark = pytest.mark.slow
 
 NUMBERS = {
+    # case: (quantity of the summary, its mean in SI units)
     "hawkmoth": ("tip_peak", 7.80e-3),
     "hawkmoth_dbet": ("tip_peak", 7.613e-3),
     "fruitfly": ("force_vertical", 3.72e-6),
     "graded_wing": ("force_vertical", 0.00544),
     "soft_wing": ("tip_peak", 8.23e-3),
+    "heaving_plate": ("tip_peak", 1.216e-3),
+    "pitch_ramp": ("force_normal_peak", 0.851),
+    "plunging_foil": ("force_normal_peak", 1.609),
+    "tabulated_stroke": ("tip_peak", 10.40e-3),
 }
+
+
+def simulated(name, *settings):
+    return taichiflap.simulate(taichiflap.load_case(CASES / f"{name}.toml", settings))
 
 
 def test_every_case_has_its_number():
@@ -26,11 +37,36 @@ def test_every_case_has_its_number():
 @pytest.mark.parametrize("name", NUMBERS)
 def test_case(name):
     quantity, expected = NUMBERS[name]
-    result = taichiflap.simulate(taichiflap.load_case(CASES / f"{name}.toml"))
+    result = simulated(name)
     assert getattr(taichiflap.summarise(result), quantity).mean == pytest.approx(expected, rel=0.02)
     run = Run(result, name)
     assert np.isfinite(run.frame(result.frames - 1).nodes).all()
     run.close()
+
+
+def test_the_plunging_foils_lift_is_theodorsens():
+    result = simulated("plunging_foil")
+    frames = np.concatenate(metrics.settled_beats(result))
+    lift = metrics.harmonic(result.case, result.time[frames], result.force_z[frames])
+    lift /= 0.5 * 998.0 * 0.2**2 * 0.1 * 0.4
+    exact, _ = theory.oscillating_loads(0.393, plunge=0.5)
+    # Linear theory, and half a chord is no small amplitude.
+    assert abs(lift) == pytest.approx(abs(exact), rel=0.05)
+    assert np.angle(lift / exact, deg=True) == pytest.approx(0.0, abs=2.0)
+
+
+def test_a_table_of_a_stroke_is_as_good_as_its_formula():
+    """41 points of the waves that the case's comment names."""
+    table = simulated("tabulated_stroke")
+    document = table.case.to_dict()
+    document["motion"] = {
+        "frequency": 25.0,
+        "plunge": {"kind": "triangle", "amplitude": 0.02, "sharpness": 0.7, "phase_deg": 90.0},
+        "pitch": {"kind": "trapezoid", "amplitude_deg": 15.0, "sharpness": 2.0},
+    }
+    formula = taichiflap.simulate(parse_case(document))
+    difference = np.abs(table.tip_deflection - formula.tip_deflection).max()
+    assert difference < 0.01 * np.abs(formula.tip_deflection).max()
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,18 @@ def test_frames_are_read_one_at_a_time(run, monkeypatch):
     assert run.frame(17).index == 17
 
 
+def test_a_motion_that_does_not_repeat_opens_and_plays(tmp_path):
+    case = taichiflap.load_case(CASES / "pitch_ramp.toml", ("uvlm.panels=10",))
+    taichiflap.simulate(case, tmp_path / "ramp.h5").close()
+    ramp = Run(taichiflap.open_result(tmp_path / "ramp.h5"), "ramp")
+    assert (ramp.beats, ramp.frames_per_beat, ramp.reversals(), ramp.half_stroke(3)) == (1, case.steps, [], "")
+    assert ramp.when(ramp.frames - 1) == "t = 5000 ms"
+    playback = timeline.Playback(position=0.0, playing=True)
+    timeline.advance(ramp, playback, 2.0)
+    assert playback.frame == int(0.5 * case.steps)
+    ramp.close()
+
+
 def test_beats_and_half_strokes(run):
     assert run.beat_of(0) == (1, 0.0)
     assert run.beat_of(200) == (2, 0.0)
