@@ -87,7 +87,8 @@ def _line(label: str, text: Any) -> str:
 
 
 def _shown(statistic: Statistic, scale: float, unit: str) -> str:
-    return f"{scale * statistic.mean:.4g} ± {scale * statistic.spread:.2g} {unit}"
+    spread = f" ± {scale * statistic.spread:.2g}" if statistic.spread else ""
+    return f"{scale * statistic.mean:.4g}{spread} {unit}"
 
 
 def _model(case: Case) -> str:
