@@ -125,7 +125,8 @@ class Case(Section):
 
         over = 1.0 / self.motion.frequency if self.motion.frequency else cast(float, self.time.duration)
         times = self.motion.growth * self.periodic + over * np.arange(MOMENTS) / MOMENTS
-        speed = motion.typical_speed(self.motion, self.wing.chord, self.fluid.velocity, times)
+        behind = (1.0 - self.wing.pivot) * self.wing.chord
+        speed = motion.typical_speed(self.motion, behind, self.fluid.velocity, times)
         if not speed:
             raise ValueError('time: nothing moves, so "auto" finds no step; give a number')
         return self.wing.chord / self.uvlm.panels / speed

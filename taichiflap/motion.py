@@ -57,10 +57,14 @@ def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
     return found[(found > first - NOISE * step) & (found < last + NOISE * step)]
 
 
-def typical_speed(motion: Motion, chord: float, stream: tuple[float, float], times: Array) -> float:
-    """Root mean square over `times` of the speed (m/s) of a rigid wing's trailing edge relative to the stream."""
+def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> float:
+    """Root mean square over `times` of the speed (m/s) of a rigid wing's trailing edge relative to the stream.
+
+    Args:
+        behind: distance of the trailing edge behind the pivot, m.
+    """
     moved = sample(motion, times)
-    turning = chord * moved[:, PITCH_RATE]
+    turning = behind * moved[:, PITCH_RATE]
     along_y = -turning * np.sin(moved[:, PITCH]) - stream[0]
     along_z = moved[:, PLUNGE_RATE] + turning * np.cos(moved[:, PITCH]) - stream[1]
     return math.sqrt(np.mean(along_y**2 + along_z**2))
