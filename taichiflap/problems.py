@@ -164,8 +164,6 @@ def _kind(schema: Mapping[str, Any]) -> str:
             row = ", ".join(title for title, _ in columns)
             return f"a table [[{row}], ...] with {', '.join(f'{title} {limits}' for title, limits in columns)}"
         count = f"{len(items)} " if "prefixItems" in schema else ""
-        if items[0].get("type") == "array":
-            return f"a list of rows, each {_kind(items[0]).partition(', each')[0]}"
         return f"a list of {count}numbers, each {_limits(items[0])}"
     return f"{_KINDS.get(str(schema.get('type')), 'a value')} {_limits(schema)}".strip()
 

@@ -47,7 +47,7 @@ BAD = [
     ("motion.plunge=0.02", ["motion.plunge = 0.02", "a table"]),
     ("motion.plunge.kind=bezier", ['motion.plunge.kind = "bezier"', '"harmonic" or "triangle"']),
     ("motion.plunge.kind=triangle", ["motion.plunge.sharpness: missing; give a number"]),
-    ("motion.plunge.harmonics=[[3, 0.1]]", ["motion.plunge.harmonics[0]", "a list of rows"]),
+    ("motion.plunge.harmonics=[[3, 0.1]]", ["motion.plunge.harmonics[0]", "a table [[n, m, phase_deg], ...]"]),
     ("motion.plunge.amplitude=-1", ["motion.plunge.amplitude = -1", ">= 0"]),
     ("motion.pitch.amplitude_deg=400", ["motion.pitch.amplitude_deg = 400", "<= 360", "deg"]),
     ("fluid.density=-1", ["fluid.density = -1", ">= 0"]),

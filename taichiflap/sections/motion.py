@@ -14,11 +14,11 @@ def _rows(value: Any) -> Any:
     return tuple(as_tuple(row) for row in value) if isinstance(value, list) else value
 
 
-_Order = Annotated[int, Field(ge=1, le=100)]
-_Phase = Annotated[float, Field(ge=-360, le=360)]
-_Length = Annotated[float, Field(ge=-100, le=100)]
-_Angle = Annotated[float, Field(ge=-360, le=360)]
-_Moment = Annotated[float, Field(ge=-1e6, le=1e6)]
+_Order = Annotated[int, Field(ge=1, le=100, title="n")]
+_Phase = Annotated[float, Field(ge=-360, le=360, title="phase_deg")]
+_Length = Annotated[float, Field(ge=-100, le=100, title="m")]
+_Angle = Annotated[float, Field(ge=-360, le=360, title="deg")]
+_Moment = Annotated[float, Field(ge=-1e6, le=1e6, title="time")]
 LengthHarmonics = Annotated[tuple[tuple[_Order, _Length, _Phase], ...], BeforeValidator(_rows)]
 AngleHarmonics = Annotated[tuple[tuple[_Order, _Angle, _Phase], ...], BeforeValidator(_rows)]
 LengthPoints = Annotated[tuple[tuple[_Moment, _Length], ...], BeforeValidator(_rows)]
