@@ -39,8 +39,8 @@ lint: .venv/.dev  ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-bench: .venv/.dev  ## speed, as ratios within one run
-	$(BIN)/python benchmarks/bench.py
+bench: .venv/.bench  ## speed, as ratios within one run to the hardware's limit and to peers; writes docs/benchmarks
+	$(BIN)/python -m benchmarks
 
 bench-view: .venv/.dev  ## the viewer: time a frame, ten browsers, a large file
 	$(BIN)/python benchmarks/view.py
@@ -72,4 +72,9 @@ clean:  ## remove the environment and what runs left here
 .venv/.dev: .venv/.run
 	@echo "Installing the tools of development ..."
 	@$(INSTALL) --editable ".[dev]"
+	@touch $@
+
+.venv/.bench: .venv/.run
+	@echo "Installing the peers of the benchmarks ..."
+	@$(INSTALL) --editable ".[bench]" || echo "*** numba could not be installed: ITS ROWS WILL BE MISSING. ***"
 	@touch $@

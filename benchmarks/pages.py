@@ -1,0 +1,55 @@
+"""The pages of the documentation that hold the figures."""
+
+from collections.abc import Iterable, Mapping
+
+from taichiflap.studies.page import Block, Figure, Heading, Paragraph, Table
+
+from .accuracy import CYCLES, HALF_SPAN_PANELS, SECTION, Point
+from .rows import Row
+
+ABOUT = """\
+Medians of several repeats that take turns within one run. Rows "in processor time" count what all threads use of \
+processors and stand for a machine that does nothing else; rows "on the wall" hold whatever else the machine did \
+meanwhile (its load is stated below). `make bench` writes this page anew."""
+
+ACCURACY = f"""\
+A rigid plate plunges at k = 0.5 in a stream; the lift of the last of {CYCLES} periods is held against \
+Theodorsen's. taichiflap marches the plate in two dimensions with a free wake (cosine spacing, each setting \
+refining panels and steps together, amplitude 1e-4 chords). PteraSoftware, which has no two-dimensional mode, \
+marches a rectangular wing of aspect ratio 20 with {HALF_SPAN_PANELS} panels to each half of the span, cosine \
+spacing, NACA 0012, amplitude 0.01 chords, with its prescribed wake, which is its faster one; its lift is that \
+of the strip beside mid-span. At aspect ratio 50 its figures change by less than 0.1 % (tried by hand), so the \
+third dimension is not what separates it from the theory. Time is that of the march alone, in processor time, \
+after compilation. Both are shown at each setting, since an amplitude can be right while the phase is not."""
+
+
+def benchmarks(rows: Iterable[Row], machine: Mapping[str, str]) -> list[Block]:
+    """The page of all rows."""
+    lines = list(rows)
+    blocks: list[Block] = [Heading(1, "Benchmarks"), Paragraph(ABOUT), Figure("sizes", "Time against size")]
+    for section in dict.fromkeys(row.section for row in lines):
+        blocks += [Heading(2, section), _table(row for row in lines if row.section == section)]
+    return [*blocks, *_machine(machine)]
+
+
+def accuracy(points: Iterable[Point], rows: Iterable[Row], machine: Mapping[str, str]) -> list[Block]:
+    """The page of time to accuracy."""
+    settings = [
+        [p.who, str(p.panels), str(p.steps), f"{1e3 * p.seconds:.3g}", f"{p.amplitude:+.2f} %", f"{p.phase:+.2f}"]
+        for p in points
+    ]
+    head = ["", "panels", "steps a period", "time (ms)", "amplitude", "phase (deg)"]
+    return [
+        Heading(1, SECTION), Paragraph(ACCURACY), Figure("accuracy", "Error against time"), _table(rows),
+        Heading(2, "Every setting"), Table(head, settings), *_machine(machine),
+    ]  # fmt: skip
+
+
+def _table(rows: Iterable[Row]) -> Table:
+    return Table(
+        ["", "figure", "target", "", "note"], [[row.name, row.figure, row.aim, row.verdict, row.note] for row in rows]
+    )
+
+
+def _machine(machine: Mapping[str, str]) -> list[Block]:
+    return [Heading(2, "Measured with"), Table(["", ""], [[name, value] for name, value in machine.items()])]

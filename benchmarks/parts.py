@@ -1,0 +1,58 @@
+"""The UVLM with one part of its step done again and again: what that adds to a run's time is what the part costs.
+
+Every part here gives the same when it is done again, so the run's numbers stay as they are, to the bit.
+"""
+
+from typing import Any
+
+from taichiflap import lattice, wake
+from taichiflap.fluids import uvlm
+from taichiflap.runtime import View, ti
+
+AGAIN = 4
+"""How many times more a part is done."""
+
+
+PARTS = {
+    "convect": "pair sums: all vortices on the wake",
+    "wash": "pair sums: the wake on the panels",
+    "assemble": "assembling the lattice's matrix",
+    "eliminate": "solving it",
+    "lay": "geometry of the panels",
+}
+
+
+class Repeated:
+    """A fluid model like `taichiflap.fluids.uvlm` whose step does `part` four times more."""
+
+    def __init__(self, part: str) -> None:
+        self.GROUPS, self.film, self.trim = uvlm.GROUPS, uvlm.film, uvlm.trim
+        self.nodes, self.work, self.frame_bytes = uvlm.nodes, uvlm.work, uvlm.frame_bytes
+        self.allocate, self.settle, self.record = uvlm.allocate, uvlm.settle, uvlm.record
+        self.prepare = _doing_again(part)
+
+
+def _doing_again(part: str) -> Any:
+    # A part is done again where all that it reads stands, and what it writes is either the same or written anew.
+    @ti.func
+    def prepare(batch: View, b, n, rule):
+        if ti.static(part == "convect"):
+            for _ in range(AGAIN if n > 0 else 0):
+                # For no time at all, so that nothing moves.
+                wake.convect(batch.wake, batch.flow.bound, batch.flow.panels[b], batch.flow.stream, b, n, 0.0)
+        if ti.static(part == "assemble"):
+            for _ in range(AGAIN):
+                lattice.assemble(batch.body, batch.flow, b, n)
+        uvlm.prepare(batch, b, n, rule)
+        if ti.static(part == "lay"):
+            for _ in range(AGAIN):
+                lattice.lay_panels(batch.body, batch.flow, b, n)
+        if ti.static(part == "wash"):
+            for _ in range(AGAIN):
+                lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
+        if ti.static(part == "eliminate"):
+            for _ in range(AGAIN):
+                lattice.assemble(batch.body, batch.flow, b, n)
+                lattice.solve(batch.body, batch.flow, b)
+
+    return prepare
