@@ -3,11 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from taichiflap import theory
 from taichiflap.case import Case
 from taichiflap.runtime import start
-from taichiflap.studies import stream
-from taichiflap.studies.checks import run
+from taichiflap.studies import oscillation
+from taichiflap.studies.checks import accurate, run
 
 from .clock import alternate
 from .peers import ptera
@@ -45,12 +44,12 @@ class Point:
 def measure() -> list[Point]:
     """All settings of all contestants."""
     start()
-    exact = theory.oscillating_loads(K, plunge=1.0)[0]
+    exact = oscillation.exact("plunge", K).lift / oscillation.SMALL
     cases = {setting: _case(*setting) for setting in OURS}
     clocked = alternate({str(setting): marching([case]) for setting, case in cases.items()}, 5)
     points = []
     for (panels, steps), case in cases.items():
-        lift = stream.lift_amplitude(case, run([case])[0]) / stream.SMALL
+        lift = oscillation.loads(case, run([case])[0]).lift / oscillation.SMALL
         seconds = clocked[str((panels, steps))].cpu
         points.append(Point.of(OURS_NAME, panels, steps, seconds, lift / exact))
     settings = [
@@ -63,7 +62,7 @@ def measure() -> list[Point]:
 
 
 def _case(panels: int, steps: int) -> Case:
-    return stream.oscillating("plunge", K, panels, steps, CYCLES).override("uvlm.spacing=cosine")
+    return oscillation.oscillating("plunge", K, accurate(panels), steps, CYCLES).override("uvlm.suction=false")
 
 
 def cheapest(points: list[Point], who: str) -> Point | None:

@@ -9,10 +9,10 @@ from taichiflap.runtime import available_threads
 
 from .accuracy import WITHIN, Point
 from .pairs import PairRates
-from .wakes import exponent
+from .wakes import StepTimes, exponent
 
 
-def draw_sizes(rates: PairRates, steps: dict[int, float], path: Path) -> None:
+def draw_sizes(rates: PairRates, steps: StepTimes, path: Path) -> None:
     """Pair sums of a cloud on itself, and steps of the march, against the number of vortices."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained")
     for name, of in rates.rate.items():
@@ -21,9 +21,10 @@ def draw_sizes(rates: PairRates, steps: dict[int, float], path: Path) -> None:
             sizes, sizes**2 / np.array(list(of.values())) * 1e3, "k-" if name == "C loop" else "o--", label=name
         )
     left.set(xlabel="Vortices", ylabel="Time of a pair sum, one thread (ms)", title="Pair sums")
-    sizes = np.array(list(steps))
-    label = f"ours, exponent {exponent(steps):.2f} from 3,200 up"
-    right.loglog(sizes, 1e3 * np.array(list(steps.values())), "o--", label=label)
+    for name, times in steps.items():
+        sizes = np.array(list(times))
+        label = f"ours, {name}; exponent {exponent(times):.2f} from 3,200 up"
+        right.loglog(sizes, 1e3 * np.array(list(times.values())), "o--", label=label)
     threads = available_threads()
     limit = 1e3 * sizes.astype(float) ** 2 / (rates.limit() * threads)
     right.loglog(sizes, limit, "k-", label=f"direct sum, C loop, {threads} threads")

@@ -14,7 +14,7 @@ meanwhile (its load is stated below). `make bench` writes this page anew."""
 
 ACCURACY = f"""\
 A rigid plate plunges at k = 0.5 in a stream; the lift of the last of {CYCLES} periods is held against \
-Theodorsen's. taichiflap marches the plate in two dimensions with a free wake (cosine spacing, each setting \
+Theodorsen's. taichiflap marches the plate in two dimensions with a free wake (the default lattice, each setting \
 refining panels and steps together, amplitude 1e-4 chords). PteraSoftware, which has no two-dimensional mode, \
 marches a rectangular wing of aspect ratio 20 with {HALF_SPAN_PANELS} panels to each half of the span, cosine \
 spacing, NACA 0012, amplitude 0.01 chords, with its prescribed wake, which is its faster one; its lift is that \

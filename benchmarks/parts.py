@@ -28,6 +28,7 @@ class Repeated:
     def __init__(self, part: str) -> None:
         self.GROUPS, self.film, self.trim = uvlm.GROUPS, uvlm.film, uvlm.trim
         self.nodes, self.work, self.frame_bytes = uvlm.nodes, uvlm.work, uvlm.frame_bytes
+        self.ahead = uvlm.ahead
         self.allocate, self.settle, self.record = uvlm.allocate, uvlm.settle, uvlm.record
         self.prepare = _doing_again(part)
 
