@@ -19,9 +19,9 @@ from .runtime import LANE, Floats2, Floats3, Ints1, View, available_threads, tas
 from .vortex import CORE2, TINY, Y, Z, induce
 from .wake import BEFORE, CARRIED, COUNT, FAR_ERROR, Wake, carry, ring_size
 
-WIDE = 2500
+WIDE = 3000
 """Vortices from which the sums of one case are worth all threads: above, they cost more than two kernel launches."""
-FAR = 3000
+FAR = 3500
 """Vortices from which the tree is quicker than the pairs, see the benchmarks."""
 TASKS = 64
 
