@@ -52,7 +52,7 @@ class LongWakes:
         counts = view(self._wakes.ring)[:, COUNT]
         view(self._ready)[...] = ready = np.array([n >= start for start in self._starts])
         for b in np.flatnonzero(ready & np.array([error > 0.0 for error in self._error])):
-            multipole.sort(self._tree, int(b), view(self._wakes.vortex)[b, :, : counts[b]], self._error[b])
+            multipole.sort(self._tree, int(b), view(self._wakes.vortex)[b, : CORE2 + 1, : counts[b]], self._error[b])
         if any(self._error):
             _expand_all(self._tree, int(view(self._tree.leaves).max()), len(self._cases), self._lanes)
         blocks = -(-int(counts.max()) // 8)

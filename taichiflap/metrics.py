@@ -60,6 +60,8 @@ class Summary:
         power_positive: mean of the power where it is positive: what an actuator that stores nothing spends.
         wake_lost: mean velocity at the wing of the wake that was dropped or absorbed (`wake_lost` of the result), over
             the wing's root mean square speed: about what the forces err by. None for a model without a wake.
+        wake_far_error: largest error found in a wake vortex's velocity by multipoles, m/s; None where every pair is
+            summed.
         wake_crossings: how often a wake vortex came upon the wing, in the whole run; None without a wake.
     """
 
@@ -79,6 +81,7 @@ class Summary:
     power_inertial: Statistic
     power_positive: Statistic
     wake_lost: float | None
+    wake_far_error: float | None
     wake_crossings: int | None
 
 
@@ -117,6 +120,7 @@ def summarise(result: Result) -> Summary | None:
         power_inertial=mean(result.power_inertial),
         power_positive=mean(np.maximum(power, 0.0)),
         wake_lost=_wake_lost(result, np.concatenate(beats)) if "wake_lost" in result.variables else None,
+        wake_far_error=float(result.wake_far_error[-1]) if "wake_far_error" in result.variables else None,
         wake_crossings=int(result.wake_crossings[-1]) if "wake_crossings" in result.variables else None,
     )
 

@@ -57,6 +57,8 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     yield _line("  positive part alone", _shown(summary.power_positive, 1e3, "mW"))
     if summary.wake_lost:
         yield _line("wake left out", f"about {100 * summary.wake_lost:.2g} % of the wing's speed, and of the forces")
+    if summary.wake_far_error is not None:
+        yield _line("error of the far wake", f"{summary.wake_far_error:.2g} m/s at most, of eight vortices a step")
     if summary.wake_crossings:
         kept = "kept on their side" if case.uvlm.crossing == "reflect" else "let through"
         yield _line("wake upon the wing", f"{summary.wake_crossings} vortices, {kept}")

@@ -61,6 +61,10 @@ VARIABLES = {
         ("time",), "m s-1", "velocity at the wing of the wake that was dropped or absorbed", "",
         "an estimate: what each vortex would still induce at the wing's middle, fading over a beat",
     ),
+    "wake_far_error": Variable(
+        ("time",), "m s-1", "largest error found in the velocity of a wake vortex by multipoles, so far", "",
+        "eight vortices a step, against the sum over all pairs; uvlm.far_error bounds it",
+    ),
     "node_position": Variable(
         ("time", "node", "component"), "m", "position of the wing's nodes", "R", _INERTIAL, single=True
     ),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from conftest import hawkmoth, march
 
+import taichiflap
 from taichiflap import longwake, multipole, wake
 from taichiflap.multipole import LEAF, ORDER, Tree, expand, induce_by_tree, octet_at
 from taichiflap.runtime import LANE, Floats3, start, ti, view
@@ -107,3 +108,14 @@ def test_a_march_by_tree_is_itself_in_any_company_and_near_the_sum_over_pairs(mo
         together, _ = march([exact, treed], threads=threads)
         np.testing.assert_array_equal(together[0].force, pairs.force)
         np.testing.assert_array_equal(together[1].force, alone.force)
+
+
+def test_the_error_found_is_in_the_result_of_a_case_that_allows_one(monkeypatch):
+    monkeypatch.setattr(longwake, "FAR", 60)
+    case = hawkmoth("uvlm.wake=all", "time.periods=1", "uvlm.panels=9", "uvlm.far_error=1e-3", "uvlm.core=0.02")
+    found = taichiflap.simulate(case)
+    error = found.wake_far_error
+    assert np.all(np.diff(error) >= 0.0)
+    assert error[59] == 0.0 < error[-1] < 1e-3 * longwake.typical_speed_of(case)
+    assert taichiflap.summarise(found).wake_far_error == error[-1]
+    assert "wake_far_error" not in taichiflap.simulate(case.override("uvlm.far_error=0")).variables

@@ -17,7 +17,7 @@ from ..longwake import LongWakes
 from ..runtime import Floats2, Ints2, Ints3, Singles3, Singles4, View, ti
 from ..spacing import ACT, AHEAD, BEHIND, NODE
 from ..vortex import CIRCULATION, Y, Z
-from ..wake import COUNT, CROSSINGS, KEEP, OLDEST, YOUNGEST
+from ..wake import COUNT, CROSSINGS, FAR_ERROR, KEEP, OLDEST, YOUNGEST
 
 Film = ti.types.argpack(
     circulation=Floats2,
@@ -28,6 +28,7 @@ Film = ti.types.argpack(
     wake_birth=Ints3,
     wake_crossings=Ints2,
     wake_lost=Floats2,
+    wake_far_error=Floats2,
 )
 
 GROUPS = {"flow": lattice.Lattice, "wake": wake.Wake, "film": Film}
@@ -59,13 +60,15 @@ def film(cases: Sequence[Case], frames: int) -> Any:
         wake_birth=ti.ndarray(ti.i32, (count, frames, vortices)),
         wake_crossings=ti.ndarray(ti.i32, (count, frames)),
         wake_lost=ti.ndarray(ti.f64, (count, frames)),
+        wake_far_error=ti.ndarray(ti.f64, (count, frames)),
     )
 
 
 def trim(frames: dict[str, np.ndarray], case: Case) -> dict[str, np.ndarray]:
     """One case's share of the padded frames of a batch, its wake as contiguous ragged arrays."""
     panels = {name: frames[name][:, : case.uvlm.panels] for name in ("panel_circulation", "pressure_jump")}
-    return frames | panels | wake.in_order(frames)
+    kept = {name: values for name, values in frames.items() if name != "wake_far_error" or case.uvlm.far_error}
+    return kept | panels | wake.in_order(frames)
 
 
 def work(case: Case, step: int) -> float:
@@ -227,6 +230,7 @@ def record(batch: View, b, frame):
         batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.pressure[b, i], ti.f32)
     batch.film.wake_count[b, frame] = batch.wake.ring[b, COUNT]
     batch.film.wake_crossings[b, frame] = batch.wake.ring[b, CROSSINGS]
+    batch.film.wake_far_error[b, frame] = batch.wake.tally[b, FAR_ERROR]
     batch.film.wake_lost[b, frame] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
     for m in range(batch.wake.ring[b, COUNT]):
         place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, KEEP]
