@@ -114,7 +114,7 @@ def compute(
         frames = _joined([block[b] for block in blocks])
         pivot = np.zeros(1)  # no field along the chord is kept, so one node will do
         run = series.derive(cases[b], march.sections[b], pivot, march.motion[b], frames)
-        kept = {name: run[name] for name in ("time", *SERIES)} if keep_series else {}
+        kept = {name: run[name] for name in ("time", *SERIES) if name in run} if keep_series else {}
         outcomes.append(Outcome(measure(SimpleNamespace(case=cases[b], variables=list(run), **run), metrics), kept))
     return outcomes
 

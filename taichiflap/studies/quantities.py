@@ -20,7 +20,7 @@ ORDERS = (1, 2, 3)
 WITH_HARMONICS = ("force_normal", "force_vertical", "tip_deflection")
 ALSO_MEANS = ("force_normal", "force_axial", "force_y", "force_z", "moment", "tip_deflection")
 """Variables whose cycle mean the summary does not hold."""
-OF_FILM = ("circulation", "wake_lost")
+OF_FILM = ("circulation", "wake_lost", "wake_crossings")
 """Series that belong to a fluid's film, which a study does not keep."""
 SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and name not in OF_FILM)
 """The time series that a study can keep."""
