@@ -182,7 +182,7 @@ class Film:
 
     def _draw_ground(self, result: Result, slower: float, width: float, height: float, right: float) -> None:
         figure, axes, chord = self._figure, self._axes, self.chord
-        title = f"{scene.label(result)}   ({result.case.solver.upper()}, {slower:.0f} times slower than life)"
+        title = f"{scene.label(result)}   ({result.case.model}, {slower:.0f} times slower than life)"
         figure.text(
             0.5,
             1.0 - 26.0 / height,

@@ -6,20 +6,21 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 import numpy as np
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
 from .errors import UserError
-from .keys import Section, needed, section
+from .keys import Section, key, needed, section
 from .points import PointsError, with_points
 from .problems import describe
 from .sections.dbet import Dbet
 from .sections.fluid import Fluid
 from .sections.motion import Motion, TablePitch, TablePlunge
 from .sections.output import Output
+from .sections.solver import Solver, model_name
 from .sections.time import Time
 from .sections.uvlm import Uvlm
 from .sections.wing import Wing
@@ -27,6 +28,8 @@ from .sections.wing import Wing
 MAX_STEPS = 5_000_000
 LEAST_STEPS = 4
 """Steps a period, or a run, that an automatic step is never longer than."""
+WITHIN_WORDS = str.maketrans("-.:", "___")
+"""What a bare word of a setting may hold."""
 MOMENTS = 1024
 """Times at which the speed is looked at for it."""
 
@@ -47,7 +50,10 @@ class Case(Section):
     """
 
     title: str = Field("", description="a line that says what this is")
-    solver: Literal["uvlm", "dbet"] = Field("uvlm", description="fluid model")
+    solver: Solver = key("uvlm", text="fluid model; module:NAME is one of your own, a Python module")
+    numbers: dict[str, float] | None = key(
+        None, text="what a fluid model of your own asks for, by its names", example={"lift_slope": 6.0}
+    )
     wing: Wing
     motion: Motion
     fluid: Fluid = section(Fluid)
@@ -72,6 +78,11 @@ class Case(Section):
                         f"{self.duration:g} s; give more points, or make it periodic"
                     )
         return self
+
+    @property
+    def model(self) -> str:
+        """What the fluid model is called in headings."""
+        return model_name(self.solver)
 
     @property
     def periodic(self) -> bool:
@@ -244,7 +255,7 @@ def read_value(text: str) -> Any:
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except (tomllib.TOMLDecodeError, RecursionError):
-        if text.replace("-", "_").isidentifier():
+        if text.translate(WITHIN_WORDS).isidentifier():
             return text
         raise ValueError(f'{text!r} is not a number, true, false, a "text" or a [list]') from None
 

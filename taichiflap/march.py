@@ -9,9 +9,10 @@ added mass that a fluid feels is then exactly the one that the modes feel, whate
 geometry the modal force is linear in the modal acceleration, `Q = load + response qdd`, so that each step is
 one small linear solve, without iteration. The geometry is that of a second-order extrapolation.
 
-A fluid model is a module that has
+A fluid model is a module, of this package or from elsewhere (see `taichiflap.fluids`), that has
 
-- `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames;
+- `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames, whose arrays
+  have names of `taichiflap.variables`, `pressure_jump` among them;
 - `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`;
 - `nodes(case)`; `vortices(case)`, how many its frames hold in all;
 - `work(case, step)` and `frame_bytes(case)`, the rough cost of a step and of a frame;

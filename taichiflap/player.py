@@ -93,7 +93,7 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
             "dark": _base64(palette.table(palette.DARK.anchors)),
         },
     }
-    model = f"{case.solver.upper()}, {'flexible' if case.wing.modes else 'rigid'} wing"
+    model = f"{case.model}, {'flexible' if case.wing.modes else 'rigid'} wing"
     if case.motion.frequency:
         model += f", {case.motion.frequency:g} Hz"
     if case.solver == "dbet":

@@ -107,7 +107,7 @@ def summary(results: Sequence[Result]) -> Figure:
                     width = 1.3 if line == "-" else 1.0
                     ax.plot(turns, 1e3 * getattr(result, variable)[frames], line, color=colour, linewidth=width)
             mean = 1e3 * float(np.mean(result.force_vertical[frames[1:]]))
-            name = f"{names[number]} ({result.case.solver.upper()}, mean vertical force {mean:.2f} mN)"
+            name = f"{names[number]} ({result.case.model}, mean vertical force {mean:.2f} mN)"
             handles.append(Line2D([], [], color=colour, label=name))
         for letter, ax, (label, series) in zip("abcd", axes, PANELS, strict=True):
             _shade(ax, results[0], length)

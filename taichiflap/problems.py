@@ -153,8 +153,8 @@ _LIMITS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "m
 
 
 def _kind(schema: Mapping[str, Any]) -> str:
-    if "const" in schema:
-        return _shown(schema["const"])
+    if "const" in schema or "pattern" in schema:
+        return _shown(schema.get("const", schema.get("title")))
     if "enum" in schema:
         return " or ".join(_shown(value) for value in schema["enum"])
     if schema.get("type") == "array":

@@ -94,10 +94,13 @@ def _shown(statistic: Statistic, scale: float, unit: str) -> str:
 
 
 def _model(case: Case) -> str:
+    settings = [case.model]
     if case.solver == "dbet":
-        return f"DBET, {case.dbet.elements} elements, fluid {case.fluid.density:g} kg/m3"
-    wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
-    return f"UVLM, {case.uvlm.panels} panels, {wake}, fluid {case.fluid.density:g} kg/m3"
+        settings += [f"{case.dbet.elements} elements"]
+    elif case.solver == "uvlm":
+        wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
+        settings += [f"{case.uvlm.panels} panels", wake]
+    return ", ".join([*settings, f"fluid {case.fluid.density:g} kg/m3"])
 
 
 def _wing(case: Case, result: Result) -> str:

@@ -218,7 +218,7 @@ class Session:
         state = {"running": "being computed", "failed": "stopped: the computation failed"}.get(self.run.status, "")
         several = len(self.runs) > 1
         title = " against ".join(escape(run.label if several else run.title) for run in self.runs)
-        model = " against ".join(run.case.solver.upper() for run in self.runs)
+        model = " against ".join(run.case.model for run in self.runs)
         return (
             f'<div data-time style="padding:2px 4px 6px;line-height:1.45"><b>{title}</b><br>'
             f"{model}{', ' + state if state else ''}<br>{text.replace('   ', ', ')}, {milliseconds:.2f} ms</div>"
