@@ -162,7 +162,7 @@ class Map:
         coordinates = {name: (self._over(name, dimensions), *self._described(name)) for name in keys}
         if not self.design.grid:
             coordinates[SAMPLE] = ((SAMPLE,), *self._described(SAMPLE))
-        kept = [name for name in ("time", *VARIABLES) if name in self.file]
+        kept = [name for name in ("time", *VARIABLES) if name in self.file and name not in self.metrics]
         variables = {name: (dimensions, *self._described(name)) for name in (*self.metrics, "status", "reason")} | {
             name: ((*dimensions, FRAME), *self._described(name)) for name in kept
         }

@@ -20,9 +20,9 @@ ORDERS = (1, 2, 3)
 WITH_HARMONICS = ("force_normal", "force_vertical", "tip_deflection")
 ALSO_MEANS = ("force_normal", "force_axial", "force_y", "force_z", "moment", "tip_deflection")
 """Variables whose cycle mean the summary does not hold."""
-OF_FILM = ("circulation", "wake_lost", "wake_crossings")
-"""Series that belong to a fluid's film, which a study does not keep."""
-SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and name not in OF_FILM)
+OF_FILM = ("circulation", "wake_")
+"""How the names of series begin that belong to a fluid's film, which a study does not keep."""
+SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and not name.startswith(OF_FILM))
 """The time series that a study can keep."""
 
 
@@ -32,7 +32,7 @@ class QuantityError(UserError):
 
 def _of_summary() -> Iterable[str]:
     for field in fields(Summary):
-        if field.name in OF_FILM:
+        if field.name.startswith(OF_FILM):
             continue
         kinds = {field.type, *typing.get_args(field.type)}
         if Statistic in kinds:
