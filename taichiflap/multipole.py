@@ -64,7 +64,7 @@ def _power_of_two(vortices: int) -> int:
 
 
 def sort(tree: Any, b: int, vortices: NDArray[np.float64], error: float) -> None:
-    """Put the vortices of case `b`, shape (4, count), in order along the curve.
+    """Put the vortices of case `b`, shape (4 or more, count), in order along the curve.
 
     Args:
         error: largest error of a velocity, m/s; the bound is shared out by the size of the circulations.
@@ -76,7 +76,7 @@ def sort(tree: Any, b: int, vortices: NDArray[np.float64], error: float) -> None
     view(tree.limit)[b] = 2.0 * math.pi * error / max(float(np.sum(np.abs(vortices[CIRCULATION]))), 1e-300)
     view(tree.order)[b, :count] = order
     source = view(tree.source)[b]
-    source[:, :count] = vortices[:, order]
+    source[:, :count] = vortices[: len(source), order]
     source[:, count:] = 0.0
 
 

@@ -59,6 +59,7 @@ _CASE: dict[str, Any] = {
         "shedding": "fixed",
         "shedding_distance": 0.05,
         "convection": "euler",
+        "crossing": "pass",
         "core": 0.0,
         "core_growth": 0.0,
     },
