@@ -28,11 +28,7 @@ def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
     Returns:
         Shape (times, 6): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2.
     """
-    axes = [_follow(axis, motion.frequency, times) for axis in (motion.plunge, motion.pitch)]
-    if motion.growth:
-        grown = profiles.start_up(times, motion.growth)
-        axes = [profiles.product(grown, axis) for axis in axes]
-    return np.hstack(axes)
+    return np.hstack([_sample_axis(motion, axis, times) for axis in (motion.plunge, motion.pitch)])
 
 
 def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
@@ -44,14 +40,14 @@ def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
     # Half a step off, so that a reversal at a time of the grid lies between two of them.
     count = math.ceil((last - first) / step) + 2
     times = first + step * (np.arange(count) - 0.5)
-    rate = sample(motion, times)[:, PLUNGE_RATE]
+    rate = _sample_axis(motion, motion.plunge, times)[:, PLUNGE_RATE]
     moving = np.flatnonzero(np.abs(rate) > NOISE * np.abs(rate).max())
     times, forth = times[moving], rate[moving] > 0.0
     turns = np.flatnonzero(forth[1:] != forth[:-1])
     early, late, forth = times[turns], times[turns + 1], forth[turns]
     for _ in range(HALVINGS):
         middle = 0.5 * (early + late)
-        before = (sample(motion, middle)[:, PLUNGE_RATE] > 0.0) == forth
+        before = (_sample_axis(motion, motion.plunge, middle)[:, PLUNGE_RATE] > 0.0) == forth
         early, late = np.where(before, middle, early), np.where(before, late, middle)
     found = 0.5 * (early + late)
     return found[(found > first - NOISE * step) & (found < last + NOISE * step)]
@@ -68,6 +64,12 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
     along_y = -turning * np.sin(moved[:, PITCH]) - stream[0]
     along_z = moved[:, PLUNGE_RATE] + turning * np.cos(moved[:, PITCH]) - stream[1]
     return math.sqrt(np.mean(along_y**2 + along_z**2))
+
+
+def _sample_axis(motion: Motion, axis: Profile, times: NDArray[np.floating]) -> Array:
+    """Plunge or pitch with its derivatives, shape (times, 3), the start-up of the motion included."""
+    followed = _follow(axis, motion.frequency, times)
+    return profiles.product(profiles.start_up(times, motion.growth), followed) if motion.growth else followed
 
 
 def _follow(axis: Profile, frequency: float | None, times: NDArray[np.floating]) -> Array:

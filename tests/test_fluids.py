@@ -88,7 +88,7 @@ def test_alone_or_in_a_batch_it_gives_the_same_bits():
 
 
 def test_its_added_mass_does_not_depend_on_the_step():
-    """Strong coupling: a wing of a fiftieth of the weight of the air that moves with it still converges at second order."""
+    """Strong coupling: a wing of a fiftieth of the air that moves with it still converges at second order."""
     settings = (
         "solver=module:theodorsen",
         "wing.density=10.0",
