@@ -56,7 +56,7 @@ docs: .venv/.run  ## write the reports among the documentation again, from their
 	cp build/reproduction/report.md build/reproduction/*.png docs/reproduction
 
 clean:  ## remove the environment and what runs left here
-	rm -rf .venv *.egg-info build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -rf .venv *.egg-info build dist docs/_build docs/api/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	rm -f *.h5 *.h5.part *.h5.state
 
 .venv/bin/python:
@@ -67,6 +67,11 @@ clean:  ## remove the environment and what runs left here
 .venv/.run: .venv/bin/python pyproject.toml constraints.txt
 	@echo "Installing taichiflap ..."
 	@$(INSTALL) --editable .
+	@touch $@
+
+.venv/.docs: .venv/.run
+	@echo "Installing the tools of the documentation ..."
+	@$(INSTALL) --editable ".[docs]"
 	@touch $@
 
 .venv/.dev: .venv/.run

@@ -180,16 +180,22 @@ def export(
 @app.command()
 def init(
     file: Annotated[Path, typer.Argument(help="case file to write")] = Path("case.toml"),
+    source: Annotated[
+        str | None,
+        typer.Option("--from", metavar="NAME", help="start from a case that comes with taichiflap, such as hawkmoth"),
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
     """Write a commented case file to start from."""
+    from . import shipped
     from .case import CaseError
     from .template import commented_case
 
+    text = shipped.text(source) if source else commented_case()
     if file.exists() and not overwrite:
         raise CaseError(str(file), ["exists already; --overwrite replaces it, or name another file"])
     try:
-        file.write_text(commented_case(), encoding="utf-8")
+        file.write_text(text, encoding="utf-8")
     except OSError as error:
         raise CaseError(str(file), [f"cannot be written: {error.strerror}"]) from None
     print(f"{file} written; edit it, then run: taichiflap simulate {file}")
@@ -250,6 +256,14 @@ def schema() -> None:
     from .case import case_schema
 
     print(json.dumps(case_schema(), indent=2))
+
+
+@app.command()
+def cite() -> None:
+    """Print how to cite taichiflap, and the paper it starts from, as BibTeX."""
+    from .citation import BIBTEX
+
+    print(BIBTEX)
 
 
 def _viewing(path: Path) -> AbstractContextManager[Any]:

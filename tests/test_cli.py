@@ -8,6 +8,7 @@ import sys
 import time
 
 import pytest
+import yaml
 from conftest import CASES
 
 import taichiflap
@@ -147,6 +148,29 @@ def test_init_writes_a_case_that_runs(tmp_path):
     ran = run("simulate", "mine.toml", "--set", "time.periods=1", cwd=tmp_path)
     assert ran.returncode == 0, ran.stderr
     assert (tmp_path / "mine.h5").exists()
+
+
+def test_init_takes_a_case_that_comes_along(tmp_path):
+    ran = run("init", "mine.toml", "--from", "hawkmoth", cwd=tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    assert taichiflap.load_case(tmp_path / "mine.toml") == taichiflap.load_case(CASES / "hawkmoth.toml")
+    ran = run("init", "other.toml", "--from", "hawkmot", cwd=tmp_path)
+    assert ran.returncode == 2
+    assert ran.stderr == "error: hawkmot: no case of that name comes with taichiflap; did you mean hawkmoth?\n"
+    assert not (tmp_path / "other.toml").exists()
+
+
+def test_cite_says_what_the_citation_file_says():
+    ran = run("cite")
+    assert ran.returncode == 0
+    data = yaml.safe_load((CASES.parent / "CITATION.cff").read_text())
+    assert data["version"] == taichiflap.__version__
+    printed = " ".join(ran.stdout.split())
+    (paper,) = data["references"]
+    said = [data["title"], data["authors"][0]["name"], data["version"], data["license"]]
+    said += [paper["title"], paper["doi"], paper["notes"], paper["collection-title"], str(paper["year"])]
+    said += [person["family-names"] for person in paper["authors"]]
+    assert [phrase for phrase in said if phrase not in printed] == []
 
 
 def test_schema_is_json():

@@ -1,0 +1,87 @@
+"""Build the wheel and the source archive, install each in clean environments, and use what is there.
+
+    python tests/package.py python3.11 python3.12 python3.13
+
+Every Python that is given gets two environments: of the newest versions that `pyproject.toml` allows, and of the
+lowest. The wheel goes into them; the source archive into one more of the first Python. The environments take minutes,
+so this is no part of the tests: `make package` runs it.
+"""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+from packaging.requirements import Requirement
+
+ROOT = Path(__file__).parent.parent
+CHECK = """
+import pathlib, taichiflap, taichiflap_viewer
+home = pathlib.Path(taichiflap.__file__).parent
+assert "site-packages" in str(home), home
+assert (home / "py.typed").is_file()
+with taichiflap.open_result("mine.h5") as result:
+    tip = 1e3 * taichiflap.summarise(result).tip_peak.mean
+assert abs(tip - 7.80) < 0.01, tip
+print(f"tip {tip:.4f} mm, {taichiflap.__version__}")
+"""
+
+
+def run(*command, cwd=None):
+    ran = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True, check=False)
+    if ran.returncode:
+        sys.exit(f"{' '.join(map(str, command))}\n{ran.stdout}\n{ran.stderr}")
+    return ran.stdout
+
+
+def build(folder):
+    """The wheel and the source archive."""
+    # In a copy: what an earlier build has left behind would go into the wheel.
+    tracked = run("git", "ls-files", "--cached", "--others", "--exclude-standard", cwd=ROOT).splitlines()
+    for name in filter(lambda name: (ROOT / name).is_file(), tracked):
+        place = folder / "source" / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, place)
+    run(sys.executable, "-m", "build", "--outdir", folder / "dist", folder / "source")
+    (wheel,), (archive,) = (folder / "dist").glob("*.whl"), (folder / "dist").glob("*.tar.gz")
+    return wheel, archive
+
+
+def lowest(version):
+    """The lowest versions that are allowed for a Python, as constraints."""
+    given = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    wanted = [Requirement(text) for text in given]
+    wanted = [one for one in wanted if one.marker is None or one.marker.evaluate({"python_version": version})]
+    return [f"{one.name}=={bound.version}" for one in wanted for bound in one.specifier if bound.operator == ">="]
+
+
+def use(folder, python, what, constraints=()):
+    """Install in a new environment, and use it from an empty folder."""
+    run(python, "-m", "venv", folder)
+    place = folder / "work"
+    place.mkdir()
+    pip = (folder / "bin/python", "-m", "pip", "--quiet", "--disable-pip-version-check", "install")
+    run(*pip, *constraints, what)
+    command = folder / "bin" / "taichiflap"
+    for words in ("--version", "cite", "init mine.toml --from hawkmoth", "simulate mine.toml", "info mine.h5"):
+        run(command, *words.split(), cwd=place)
+    return run(folder / "bin/python", "-c", CHECK, cwd=place).strip()
+
+
+def main(pythons):
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        wheel, archive = build(folder)
+        print(f"{wheel.name} {wheel.stat().st_size / 1e3:.0f} kB, {archive.name} {archive.stat().st_size / 1e3:.0f} kB")
+        for python in pythons:
+            version = run(python, "-c", "import sys; print('%d.%d' % sys.version_info[:2])").strip()
+            for kind, constraints in (("newest", ()), ("lowest", lowest(version))):
+                said = use(folder / f"{version}-{kind}", python, wheel, constraints)
+                print(f"Python {version}, {kind}: {said}", flush=True)
+        print("source archive:", use(folder / "archive", pythons[0], archive), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or [sys.executable])
