@@ -46,6 +46,10 @@ BAD = [
     ("motion.frequency=0", ["motion.frequency = 0", "Hz"]),
     ("motion.plunge=0.02", ["motion.plunge = 0.02", "a table"]),
     ("motion.plunge.kind=bezier", ['motion.plunge.kind = "bezier"', '"harmonic" or "triangle"']),
+    (
+        "motion.pitch={kind='ramp', start=0.1, ramp=0.1, smoothing=5.0, amplitude_deg=9.0}",
+        ["motion.pitch.smoothing = 5.0: rounds the corners over 0.2 s", ">= 10"],
+    ),
     ("motion.plunge.kind=triangle", ["motion.plunge.sharpness: missing; give a number"]),
     ("motion.plunge.harmonics=[[3, 0.1]]", ["motion.plunge.harmonics[0]", "a table [[n, m, phase_deg], ...]"]),
     ("motion.plunge.amplitude=-1", ["motion.plunge.amplitude = -1", ">= 0"]),

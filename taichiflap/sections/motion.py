@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from ..keys import Section, as_tuple, key, needed
 
@@ -125,6 +125,16 @@ class _Ramp(Profile):
     smoothing: float = key(
         unit="1/s", text="corners are rounded over about its inverse: a U/c of Eldredge", example=200.0, gt=0, le=1e9
     )
+
+    @field_validator("smoothing")
+    @classmethod
+    def _leaves_a_ramp(cls, value: float, info: ValidationInfo) -> float:
+        ramp = info.data.get("ramp")
+        if ramp is not None and value * ramp < 1.0:
+            raise ValueError(
+                f"rounds the corners over {1.0 / value:g} s, longer than the ramp itself; give >= {1.0 / ramp:g}"
+            )
+        return value
 
     @property
     def repeats(self) -> bool:
