@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
     for name, frames in (("empty", 0), ("begun", 60)):
         shutil.copy(folder / "lattice.h5", folder / f"{name}.h5")
         with h5py.File(folder / f"{name}.h5", "r+") as file:
-            file["time"].resize(frames, axis=0)
+            file["time"][frames:] = np.nan
     shutil.copy(folder / "lattice.h5", folder / "failed.h5")
     with h5py.File(folder / "failed.h5", "r+") as file:
         file["force_normal"][250:] = np.nan
@@ -153,7 +153,7 @@ def test_a_running_file_exports_what_it_holds(lattice, tmp_path):
     shutil.copy(lattice.path, running)
     with h5py.File(running, "r+") as file:
         file.attrs["status"] = "running"
-        file["time"].resize(151, axis=0)
+        file["time"][151:] = np.nan
     with taichiflap.open_result(tmp_path / "run.h5") as result:
         assert (result.status, result.frames) == ("running", 151)
         table = export(result, "csv", tmp_path)
