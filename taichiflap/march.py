@@ -303,5 +303,7 @@ class March:
             frames["modal_force"] = frames["modal_force"][:, : section.count]
             if self._filming:
                 frames = self.fluid.trim(frames, case)
-            collected.append({"step": step} | {name: values.copy() for name, values in frames.items()})
+            # Trimming may have copied already what it joined.
+            own = {name: values if values.base is None else values.copy() for name, values in frames.items()}
+            collected.append({"step": step} | own)
         return collected

@@ -1,6 +1,7 @@
 """The result file, read: HDF5 that opens in xarray, netCDF4 and MATLAB with no code of ours."""
 
 import bisect
+import functools
 import tomllib
 from pathlib import Path
 from types import TracebackType
@@ -75,7 +76,7 @@ class Result:
         """`running`, `complete` or `failed`."""
         return str(_plain(self.file.attrs["status"]))
 
-    @property
+    @functools.cached_property
     def case(self) -> Case:
         """The case that was computed, overrides included."""
         return parse_case(tomllib.loads(self.file.attrs["case"]), "the result's case")
@@ -123,7 +124,9 @@ class Result:
         # First: HDF5 would lend what it remembers of an open file to the next to open it.
         self.file.close()
         path = self.path if self.path.exists() else self.path.with_name(self.path.name.removesuffix(PART))
-        vars(self).update(vars(open_result(path)))
+        fresh = vars(open_result(path))
+        vars(self).clear()
+        vars(self).update(fresh)
 
     def _dataset(self, name: str) -> Any:
         if name not in self._open:
@@ -171,11 +174,10 @@ def open_result(path: str | Path) -> Result:
     except OSError as error:
         raise ResultError(f"{path}: not a readable result file: {first_line(error)}") from None
     try:
-        _check(file, path)
+        return _checked(file, path)
     except ResultError:
         file.close()
         raise
-    return Result(file, path)
 
 
 def part(path: Path) -> Path:
@@ -186,7 +188,9 @@ def part(path: Path) -> Path:
 def _whole_frames(file: Any) -> int:
     """Frames that are stored: those to come have no time yet."""
     time = file["time"]
-    shortest = min([len(time), *(len(file[name]) for name in VARIABLES if name in file)])
+    names = [name.encode() for name in VARIABLES]
+    # Past h5py's own objects, whose making takes longer than all the rest.
+    shortest = min([len(time), *(h5py.h5d.open(file.id, name).shape[0] for name in names if name in file.id)])
     return bisect.bisect_left(range(shortest), True, key=lambda index: bool(np.isnan(time[index])))
 
 
@@ -197,20 +201,21 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and np.isnan(value) else value
 
 
-def _check(file: Any, path: Path) -> None:
+def _checked(file: Any, path: Path) -> Result:
     try:
         version = int(file.attrs["taichiflap_format"])
         if version > FORMAT:
             raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
-        parse_case(tomllib.loads(file.attrs["case"]), str(path))
-        str(file.attrs["status"])
-        _whole_frames(file)
+        result = Result(file, path)
+        # What a result cannot do without is read once, so that nobody stumbles over it later.
+        _ = result.case, result.status
     except CaseError as error:
         raise ResultError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
-    except (KeyError, TypeError, ValueError, OSError, RuntimeError) as error:
+    except (KeyError, TypeError, ValueError, OSError, RuntimeError, IndexError) as error:
         if isinstance(error, ResultError):
             raise
         raise ResultError(f"{path}: an HDF5 file, but not a result of taichiflap") from None
+    return result
 
 
 def first_line(error: OSError) -> str:

@@ -17,11 +17,13 @@ from .writer import Writer, finished
 Progress = Callable[[int, int], None]
 """Called with the steps done and all steps, after every block."""
 
+BLOCK_SECONDS = 0.1
+"""Time between two writes, about: for a lively progress bar, and to stop at a word."""
 BLOCK_STEPS = 4096
-BLOCK_WORK = 2e8
-"""A block is at most so many steps, or so many pair interactions: about 0.1 s."""
 BLOCK_BYTES = 2**26
-"""... or so many bytes of frames."""
+"""A block is never of more steps, or of more bytes of frames."""
+FIRST_WORK = 2e7
+"""Pair interactions of the first block; those of the others follow from the time that it took."""
 
 
 @overload
@@ -136,10 +138,14 @@ def _run(
         for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
             writer.lay_out(fluid.nodes(writer.case), section, sample, fluid.vortices(writer.case))
         solve_time = _take_up(march, writers, resumed)
+        most = FIRST_WORK
         while not march.done:
             began = time.perf_counter()
-            blocks = march.advance(block_steps(cases, fluid, march.next_step))
-            solve_time += time.perf_counter() - began
+            steps, work = _block(cases, fluid, march.next_step, most)
+            blocks = march.advance(steps)
+            seconds = time.perf_counter() - began
+            solve_time += seconds
+            most = min(2.0 * most, work * BLOCK_SECONDS / seconds)
             for b, (writer, variables) in enumerate(zip(writers, derive(blocks), strict=True)):
                 writer.append(variables)
                 writer.keep(Checkpoint(march.next_step, solve_time, march.state(b)))
@@ -168,8 +174,16 @@ def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint |
     return kept[0].solve_time
 
 
-def block_steps(cases: Sequence[Case], fluid: Any, step: int) -> int:
-    """Steps to march from `step` on before the next write: a lively progress bar, and bounded memory."""
-    work = sum(fluid.work(case, step) for case in cases)
+def _block(cases: Sequence[Case], fluid: Any, first: int, most: float) -> tuple[int, float]:
+    """Steps to march from `first` on before the next write, and their work, within `most` if that can be.
+
+    Halved until they fit, so that frames of few sizes need room.
+    """
     size = sum(fluid.frame_bytes(case) / case.output.every for case in cases)
-    return max(1, int(min(BLOCK_STEPS, BLOCK_WORK / work, BLOCK_BYTES / size)))
+    steps = BLOCK_STEPS
+    while True:
+        # A wake grows: its last step is the most work.
+        work = steps * sum(fluid.work(case, first + steps) for case in cases)
+        if steps == 1 or (work <= most and steps * size <= BLOCK_BYTES):
+            return steps, work
+        steps //= 2

@@ -133,7 +133,7 @@ def test_an_unknown_variable_lists_the_known(uvlm_file):
         result.tip  # noqa: B018
 
 
-BLOCK = 400
+BLOCK = 256
 
 KILLED = """
 import os, signal, sys
@@ -143,7 +143,7 @@ import taichiflap
 from taichiflap import run
 run.BLOCK_STEPS = {block}
 def progress(done, total):
-    if done >= 300:
+    if done >= 200:
         os.kill(os.getpid(), signal.SIGKILL)
 taichiflap.simulate(hawkmoth("time.periods=15"), {path!r}, progress=progress)
 """
