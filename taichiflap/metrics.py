@@ -50,6 +50,8 @@ class Summary:
             force's root mean square.
         force_spread: standard deviation of the mean force of these beats, as such a share.
         force_vertical, force_vertical_normal: mean vertical force, full vector and e_z component alone.
+        lift, thrust: mean force across a free stream, a quarter turn counter-clockwise from it (along Z for one along
+            Y), and against it; None without a stream.
         force_normal_peak: largest magnitude of the normal force.
         force_normal_phase: phase advance of its first harmonic over that of the plunge (of the pitch, if the
             wing does not plunge), degrees in (-180, 180]; None if the wing does neither.
@@ -71,6 +73,8 @@ class Summary:
     force_spread: float
     force_vertical: Statistic
     force_vertical_normal: Statistic
+    lift: Statistic | None
+    thrust: Statistic | None
     force_normal_peak: Statistic
     force_normal_phase: float | None
     tip_peak: Statistic
@@ -102,6 +106,8 @@ def summarise(result: Result) -> Summary | None:
     tip, normal, power = result.tip_deflection, result.force_normal, result.power
     last = beats[-1]
     peak_time = float(time[last][np.argmax(np.abs(tip[last]))]) / case.beat
+    speed = math.hypot(*case.fluid.velocity)
+    stream_y, stream_z = (component / speed if speed else 0.0 for component in case.fluid.velocity)
     drift, spread = _unrest(_mean_forces(result, beats), _size(result, beats))
     return Summary(
         beats=len(beats),
@@ -110,6 +116,8 @@ def summarise(result: Result) -> Summary | None:
         force_spread=spread,
         force_vertical=mean(result.force_vertical),
         force_vertical_normal=mean(result.force_vertical_normal),
+        lift=mean(result.force_z * stream_y - result.force_y * stream_z) if speed else None,
+        thrust=mean(-(result.force_y * stream_y + result.force_z * stream_z)) if speed else None,
         force_normal_peak=peak(normal),
         force_normal_phase=_phase(case, time, normal, beats) if case.periodic else None,
         tip_peak=peak(tip),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import profiles
-from .sections.motion import Motion, Profile
+from .sections.motion import Motion, Travel
 
 PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL = range(6)
 """Columns of a sampled motion."""
@@ -66,6 +66,7 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
     return math.sqrt(np.mean(along_y**2 + along_z**2))
 
 
+<<<<<<< HEAD
 def _sample_axis(motion: Motion, axis: Profile, times: NDArray[np.floating]) -> Array:
     """Plunge or pitch with its derivatives, shape (times, 3), the start-up of the motion included."""
     followed = _follow(axis, motion.frequency, times)
@@ -73,6 +74,9 @@ def _sample_axis(motion: Motion, axis: Profile, times: NDArray[np.floating]) -> 
 
 
 def _follow(axis: Profile, frequency: float | None, times: NDArray[np.floating]) -> Array:
+=======
+def _follow(axis: Travel, frequency: float | None, times: NDArray[np.floating]) -> Array:
+>>>>>>> d89cc65 (Lift and thrust of a wing in a stream, with their coefficients, in the place of a vertical force; Travel is not Profile)
     formula, arguments = getattr(profiles, axis.kind), axis.in_si()
     if axis.repeats:
         arguments["frequency"] = frequency

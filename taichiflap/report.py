@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from . import profile
 from .case import Case
 from .metrics import FEWEST_BEATS, Statistic, Summary, summarise
+from .profile import Profile
 from .results import Result
-from .sections.motion import Profile
+from .sections.motion import Travel
 
 LABEL = 24
 
@@ -40,8 +40,14 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
         yield f"over the last {summary.beats} beat{'s' if summary.beats > 1 else ''} (mean ± spread from beat to beat):"
     else:
         yield "over the whole run:"
-    yield _line("vertical force", _shown(summary.force_vertical, 1e3, "mN, full vector"))
-    yield _line("", _shown(summary.force_vertical_normal, 1e3, "mN, wing-normal part alone"))
+    if summary.lift and summary.thrust:
+        pressure = 0.5 * case.fluid.density * math.hypot(*case.fluid.velocity) ** 2
+        scale = pressure * case.wing.chord * Profile.of(case.wing.span).mean
+        yield _line("lift across stream", _shown(summary.lift, 1e3, f"mN{_coefficient(summary.lift, scale)}"))
+        yield _line("thrust against stream", _shown(summary.thrust, 1e3, f"mN{_coefficient(summary.thrust, scale)}"))
+    else:
+        yield _line("vertical force", _shown(summary.force_vertical, 1e3, "mN, full vector"))
+        yield _line("", _shown(summary.force_vertical_normal, 1e3, "mN, wing-normal part alone"))
     phase = summary.force_normal_phase
     lead = "" if phase is None else f", first harmonic at {phase:+.1f} deg to the stroke"
     yield _line("peak normal force", _shown(summary.force_normal_peak, 1e3, f"mN{lead}"))
@@ -93,6 +99,10 @@ def _shown(statistic: Statistic, scale: float, unit: str) -> str:
     return f"{scale * statistic.mean:.4g}{spread} {unit}"
 
 
+def _coefficient(force: Statistic, scale: float) -> str:
+    return f", coefficient {force.mean / scale:.4g}" if scale else ""
+
+
 def _model(case: Case) -> str:
     settings = [case.model]
     if case.solver == "dbet":
@@ -110,7 +120,7 @@ def _wing(case: Case, result: Result) -> str:
 
 
 def _span(case: Case) -> str:
-    values = 1e3 * profile.Profile.of(case.wing.span).values
+    values = 1e3 * Profile.of(case.wing.span).values
     least, most = (f"{value:g}" for value in (values.min(), values.max()))
     return most if least == most else f"{least} to {most}"
 
@@ -126,7 +136,7 @@ def _motion(case: Case) -> str:
     return f"{rate}plunge {plunge}, pitch {pitch}, {steps}"
 
 
-def _travel(axis: Profile, scale: float, unit: str) -> str:
+def _travel(axis: Travel, scale: float, unit: str) -> str:
     """How far plunge or pitch goes, and how if not harmonically."""
     keys = axis.in_si()
     if "points" in keys:

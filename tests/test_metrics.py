@@ -165,3 +165,26 @@ def test_a_still_wing_has_no_phase():
     assert summary.force_normal_phase is None
     assert summary.tip_peak_after_reversal is None
     assert summary.tip_peak.mean == 0.0
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 3.0])
+def test_lift_and_thrust_turn_with_the_stream(angle):
+    cosine, sine = float(np.cos(angle)), float(np.sin(angle))
+    case = hawkmoth("time.periods=4", f"fluid.velocity=[{2.0 * cosine!r}, {2.0 * sine!r}]")
+    force = (-0.5, 3.0)  # against a stream along Y, and across it
+    made = synthetic(
+        case,
+        force_y=lambda t: np.full_like(t, force[0] * cosine - force[1] * sine),
+        force_z=lambda t: np.full_like(t, force[0] * sine + force[1] * cosine),
+    )
+    summary = metrics.summarise(made)
+    assert summary.thrust.mean == pytest.approx(0.5)
+    assert summary.lift.mean == pytest.approx(3.0)
+    lines = " ".join(report._statistics(case, summary))
+    area = case.wing.chord * case.wing.span
+    assert f"coefficient {3.0 / (0.5 * 1.225 * 4.0 * area):.4g}" in lines
+
+
+def test_without_a_stream_there_is_no_lift_across_it():
+    summary = metrics.summarise(synthetic(hawkmoth("time.periods=4"), force_z=np.ones_like))
+    assert summary.lift is summary.thrust is None

@@ -28,7 +28,7 @@ HARMONICS = "more terms, each [n, amplitude, phase_deg] of sin(2 pi n frequency 
 POINTS = "points [time, value] to pass through; times in s, or in periods if periodic"
 
 
-class Profile(Section):
+class Travel(Section):
     """How plunge or pitch goes with time."""
 
     kind: str
@@ -47,13 +47,13 @@ class Profile(Section):
         }
 
 
-class _LengthWave(Profile):
+class _LengthWave(Travel):
     amplitude: float = key(0.0, unit="m", text="amplitude", ge=0, le=100)
     phase_deg: float = key(0.0, unit="deg", text="phase advance", ge=-360, le=360)
     mean: float = key(0.0, unit="m", text="mean position", ge=-100, le=100)
 
 
-class _AngleWave(Profile):
+class _AngleWave(Travel):
     amplitude_deg: float = key(0.0, unit="deg", text="amplitude", ge=0, le=360)
     phase_deg: float = key(0.0, unit="deg", text="phase advance", ge=-360, le=360)
     mean_deg: float = key(0.0, unit="deg", text="mean angle", ge=-360, le=360)
@@ -89,7 +89,7 @@ class HarmonicPitch(_AngleWave):
         return super().in_si() | {"harmonics": terms}
 
 
-class _Triangle(Profile):
+class _Triangle(Travel):
     kind: Literal["triangle"] = key(text="kind: a smoothed triangular wave", example="triangle")
     sharpness: float = key(text="K of Berman & Wang (2007): 0 a sine, towards 1 a triangle", example=0.7, ge=0, lt=1)
 
@@ -102,7 +102,7 @@ class TrianglePitch(_Triangle, _AngleWave):
     """Pitch: mean + amplitude * asin(K sin(2 pi frequency t + phase)) / asin(K)."""
 
 
-class _Trapezoid(Profile):
+class _Trapezoid(Travel):
     kind: Literal["trapezoid"] = key(text="kind: a smoothed trapezoidal wave", example="trapezoid")
     sharpness: float = key(text="C of Berman & Wang (2007): 0 a sine, large a square wave", example=3.0, ge=0, le=100)
 
@@ -115,7 +115,7 @@ class TrapezoidPitch(_Trapezoid, _AngleWave):
     """Pitch: mean + amplitude * tanh(C sin(2 pi frequency t + phase)) / tanh(C)."""
 
 
-class _Ramp(Profile):
+class _Ramp(Travel):
     kind: Literal["ramp"] = key(text="kind: a ramp, a hold and a return", example="ramp")
     start: float = key(unit="s", text="when the ramp begins", example=0.1, ge=-1e6, le=1e6)
     ramp: float = key(unit="s", text="duration of the ramp, and of the return", example=0.1, gt=0, le=1e6)
@@ -155,7 +155,7 @@ class RampPitch(_Ramp):
     initial_deg: float = key(0.0, unit="deg", text="angle before the ramp", ge=-360, le=360)
 
 
-class _Table(Profile):
+class _Table(Travel):
     kind: Literal["table"] = key(text="kind: a smooth curve through points", example="table")
     periodic: bool = key(False, text="whether it repeats; its times are then fractions of the period")
     file: str | None = key(
