@@ -72,7 +72,8 @@ def _first_step(case: Case, vortices: int | None) -> int:
 def typical_speed_of(case: Case) -> float:
     """Speed (m/s) that a case's `uvlm.far_error` is a share of: the trailing edge's, over the whole run."""
     times = case.step * np.arange(case.steps + 1, dtype=np.float64)
-    return typical_speed(case.motion, case.wing.chord, case.fluid.velocity, times)
+    behind = (1.0 - case.wing.pivot) * case.wing.chord
+    return typical_speed(case.motion, behind, case.fluid.velocity, times)
 
 
 @ti.kernel

@@ -66,17 +66,13 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
     return math.sqrt(np.mean(along_y**2 + along_z**2))
 
 
-<<<<<<< HEAD
-def _sample_axis(motion: Motion, axis: Profile, times: NDArray[np.floating]) -> Array:
+def _sample_axis(motion: Motion, axis: Travel, times: NDArray[np.floating]) -> Array:
     """Plunge or pitch with its derivatives, shape (times, 3), the start-up of the motion included."""
     followed = _follow(axis, motion.frequency, times)
     return profiles.product(profiles.start_up(times, motion.growth), followed) if motion.growth else followed
 
 
-def _follow(axis: Profile, frequency: float | None, times: NDArray[np.floating]) -> Array:
-=======
 def _follow(axis: Travel, frequency: float | None, times: NDArray[np.floating]) -> Array:
->>>>>>> d89cc65 (Lift and thrust of a wing in a stream, with their coefficients, in the place of a vertical force; Travel is not Profile)
     formula, arguments = getattr(profiles, axis.kind), axis.in_si()
     if axis.repeats:
         arguments["frequency"] = frequency
