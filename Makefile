@@ -56,7 +56,7 @@ docs: .venv/.run  ## write the reports among the documentation again, from their
 	cp build/reproduction/report.md build/reproduction/*.png docs/reproduction
 
 clean:  ## remove the environment and what runs left here
-	rm -rf .venv *.egg-info build dist docs/_build docs/api/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -rf .venv *.egg-info build dist docs/_build docs/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	rm -f *.h5 *.h5.part *.h5.state
 
 .venv/bin/python:

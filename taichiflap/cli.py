@@ -191,13 +191,16 @@ def init(
     from .case import CaseError
     from .template import commented_case
 
-    text = shipped.text(source) if source else commented_case()
-    if file.exists() and not overwrite:
-        raise CaseError(str(file), ["exists already; --overwrite replaces it, or name another file"])
-    try:
-        file.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CaseError(str(file), [f"cannot be written: {error.strerror}"]) from None
+    texts = {file: shipped.text(source) if source else commented_case()}
+    for table in shipped.tables(source) if source else ():
+        texts[file.parent / table.name] = table.read_text(encoding="utf-8")
+    for path, text in texts.items():
+        if path.exists() and not overwrite:
+            raise CaseError(str(path), ["exists already; --overwrite replaces it, or name another file"])
+        try:
+            path.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise CaseError(str(path), [f"cannot be written: {error.strerror}"]) from None
     print(f"{file} written; edit it, then run: taichiflap simulate {file}")
 
 

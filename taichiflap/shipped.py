@@ -26,3 +26,8 @@ def text(name: str) -> str:
         hint = f"did you mean {nearest[0]}?" if nearest else f"there are {', '.join(names())}"
         raise CaseError(name, [f"no case of that name comes with taichiflap; {hint}"])
     return (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def tables(name: str) -> list[Path]:
+    """The files of points that a case needs beside it: those of its name."""
+    return sorted(file for file in FOLDER.glob(f"{name}.*") if file.suffix != ".toml")

@@ -150,10 +150,11 @@ def test_init_writes_a_case_that_runs(tmp_path):
     assert (tmp_path / "mine.h5").exists()
 
 
-def test_init_takes_a_case_that_comes_along(tmp_path):
-    ran = run("init", "mine.toml", "--from", "hawkmoth", cwd=tmp_path)
-    assert ran.returncode == 0, ran.stderr
-    assert taichiflap.load_case(tmp_path / "mine.toml") == taichiflap.load_case(CASES / "hawkmoth.toml")
+def test_init_takes_a_case_that_comes_along_with_its_tables(tmp_path):
+    for name in ("hawkmoth", "tabulated_stroke"):
+        ran = run("init", f"my_{name}.toml", "--from", name, cwd=tmp_path)
+        assert ran.returncode == 0, ran.stderr
+        assert taichiflap.load_case(tmp_path / f"my_{name}.toml") == taichiflap.load_case(CASES / f"{name}.toml")
     ran = run("init", "other.toml", "--from", "hawkmot", cwd=tmp_path)
     assert ran.returncode == 2
     assert ran.stderr == "error: hawkmot: no case of that name comes with taichiflap; did you mean hawkmoth?\n"

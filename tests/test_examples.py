@@ -1,9 +1,17 @@
 """Every example runs, reduced, and gives its number."""
 
+import contextlib
+import io
+import json
 import runpy
 from pathlib import Path
 
+import matplotlib.pyplot as plt
+import numpy as np
 import pytest
+
+import taichiflap
+from taichiflap.theory import mean_thrust, wagner
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
@@ -25,3 +33,57 @@ def test_design_map(tmp_path):
     assert (lift[:, 0] > 2.5).all()  # a wing that hardly pitches: UVLM alone lifts ...
     assert power[0, 2] < 0.7 < power[1, 2]  # ... and a soft wing that pitches costs it little
     assert study["draw"](chart).axes
+
+
+def test_bending_multiplies_the_hawkmoths_force():
+    example = runpy.run_path(str(EXAMPLES / "flexible_and_rigid.py"))
+    results = example["compute"]("time.periods=6")
+    assert example["gain"](results) == pytest.approx(2.35, rel=0.02)
+
+
+def test_stiffness():
+    tips, economy = runpy.run_path(str(EXAMPLES / "stiffness.py"))["compute"]((15e9, 24.5e9, 60e9))
+    assert tips[1] == pytest.approx(7.613e-3, rel=1e-3)
+    assert (np.diff(tips) < 0.0).all()
+    assert (np.diff(economy) > 0.0).all()
+
+
+def test_a_sudden_start_follows_wagner():
+    s, lift = runpy.run_path(str(EXAMPLES / "sudden_start.py"))["compute"](chords=3.0)
+    exact = np.array([wagner(one) for one in s])
+    assert np.abs(lift - exact)[s > 1.0].max() < 0.01
+
+
+def test_thrust_in_forward_flight_is_garricks():
+    thrust = runpy.run_path(str(EXAMPLES / "forward_flight.py"))["compute"]((0.3, 0.8))
+    np.testing.assert_allclose(thrust, [mean_thrust(k, plunge=1.0) for k in (0.3, 0.8)], rtol=0.02)
+
+
+def test_a_stroke_of_ones_own():
+    result = runpy.run_path(str(EXAMPLES / "own_stroke.py"))["compute"]("time.periods=4")
+    assert taichiflap.summarise(result).force_vertical.mean == pytest.approx(8.71e-3, rel=0.01)
+
+
+def test_three_models_agree_where_they_should(monkeypatch):
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    lattice, linear, blades = (
+        result.force_normal[-100:] for result in runpy.run_path(str(EXAMPLES / "three_models.py"))["compute"]()
+    )
+    size = np.abs(lattice).max()
+    assert np.abs(linear - lattice).max() < 0.05 * size
+    assert np.abs(blades - lattice).max() > 0.3 * size
+
+
+def test_the_notebook_gives_the_outputs_that_it_shows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    cells = json.loads((EXAMPLES / "first_steps.ipynb").read_text(encoding="utf-8"))["cells"]
+    space: dict = {}
+    shown = printed = ""
+    for cell in (cell for cell in cells if cell["cell_type"] == "code"):
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            exec("".join(cell["source"]), space)
+        printed += out.getvalue()
+        shown += "".join("".join(output.get("text", "")) for output in cell["outputs"])
+    plt.close("all")
+    assert "mm" in shown
+    assert printed == shown
