@@ -6,7 +6,7 @@ PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test docs clean
+.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test docs reports package clean
 
 hawkmoth: .venv/.run  ## set up and run the main job
 	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
@@ -48,7 +48,14 @@ bench-view: .venv/.dev  ## the viewer: time a frame, ten browsers, a large file
 crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, and look at what they leave
 	$(BIN)/python tests/crash.py 100
 
-docs: .venv/.run  ## write the reports among the documentation again, from their commands (minutes)
+docs: .venv/.docs  ## the documentation, warnings as errors
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "The documentation is docs/_build/html/index.html."
+
+package: .venv/.dev  ## build it, and install it in clean environments of every Python here: minutes
+	$(BIN)/python tests/package.py $(foreach p,python3.11 python3.12 python3.13,$(shell command -v $(p)))
+
+reports: .venv/.run  ## write the reports among the documentation again, from their commands (minutes)
 	$(BIN)/taichiflap validate -o build/validation --overwrite
 	$(BIN)/taichiflap reproduce -o build/reproduction --overwrite
 	rm -f docs/validation-*.svg docs/reproduction/*.png

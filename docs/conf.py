@@ -1,12 +1,17 @@
 """Sphinx: `make docs` builds the documentation, and fails on a warning."""
 
+import html
+import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 from docutils.nodes import SkipNode
-from docutils.utils.math.latex2mathml import tex2mathml
+from matplotlib.font_manager import FontProperties
+from matplotlib.mathtext import MathTextParser
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import TextPath
 
 from taichiflap import __version__
 from taichiflap.template import commented_case
@@ -28,13 +33,14 @@ html_show_sphinx = False
 html_static_path = ["_static"]
 html_css_files = ["own.css"]
 html_theme_options = {"source_repository": "", "light_css_variables": {"color-brand-primary": "#2a5d9f"}}
-html_math_renderer = "mathml"
+html_math_renderer = "drawn"
 exclude_patterns = ["_build", "generated"]
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
+autodoc_class_signature = "separated"
 nitpicky = False
 pygments_style = "friendly"
 
@@ -72,16 +78,38 @@ def write(name: str, text: str) -> None:
 def setup(app: Any) -> None:
     """Write what is generated, and register the drawing of equations."""
     write_generated()
-    app.add_html_math_renderer("mathml", (visit_math, None), (visit_block, None))
+    app.add_html_math_renderer("drawn", (inline_equation, None), (displayed_equation, None))
 
 
-def visit_math(translator: Any, node: Any) -> None:
-    """An inline equation as MathML, which browsers draw themselves: no script and nothing from elsewhere."""
-    translator.body.append(tex2mathml(node.astext(), as_block=False))
+def inline_equation(translator: Any, node: Any) -> None:
+    """An equation within a line."""
+    translator.body.append(drawn(node.astext()))
     raise SkipNode
 
 
-def visit_block(translator: Any, node: Any) -> None:
-    """A displayed equation."""
-    translator.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
+def displayed_equation(translator: Any, node: Any) -> None:
+    """An equation of its own; an empty line begins a new one."""
+    rows = "".join(f"<div>{drawn(tex.replace(r'\frac', r'\dfrac'), 14.0)}</div>" for tex in node.astext().split("\n\n"))
+    translator.body.append(f'<div class="math">{rows}</div>')
     raise SkipNode
+
+
+def drawn(tex: str, size: float = 12.5) -> str:
+    """An equation as a drawing, by Matplotlib: no script, no font of the reader's, nothing from elsewhere."""
+    text = "$" + re.sub(r"\s+", " ", tex.strip()).replace(r"\left[", r"\left[ ") + "$"
+    font = FontProperties(size=size, math_fontfamily="stix")
+    width, height, depth, *_ = MathTextParser("path").parse(text, 72, font)
+    path = TextPath((0, 0), text, prop=font)
+    steps = {Outline.MOVETO: "M", Outline.LINETO: "L", Outline.CURVE3: "Q", Outline.CURVE4: "C", Outline.CLOSEPOLY: "Z"}
+    line = "".join(
+        steps[code] + ("" if code == Outline.CLOSEPOLY else " ".join(f"{x:.2f}" for x in points))
+        for points, code in path.iter_segments(simplify=False)
+    )
+    em = 1.0 / 12.0
+    place = {"width": (width + 1) * em, "height": (height + 2) * em, "vertical-align": -(depth + 1) * em}
+    style = ";".join(f"{name}:{value:.3f}em" for name, value in place.items())
+    return (
+        f'<svg class="equation" role="img" aria-label="{html.escape(tex.strip())}" style="{style}" '
+        f'viewBox="0 {depth - height - 1:.2f} {width + 1:.2f} {height + 2:.2f}">'
+        f'<path transform="scale(1,-1)" fill="currentColor" d="{line}"/></svg>'
+    )

@@ -91,7 +91,7 @@ class Case(Section):
 
     @property
     def beat(self) -> float:
-        """What a result is told in, s: the period, or the whole run where nothing repeats."""
+        """The period, s, or the whole run where nothing repeats; a result is told in beats."""
         return self.duration if self.motion.frequency is None else 1.0 / self.motion.frequency
 
     @property

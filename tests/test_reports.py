@@ -1,6 +1,6 @@
 """The reports among the documentation are those that the commands write now: their rows, verdicts, and numbers.
 
-`make docs` writes them again. Numbers are compared where that is cheap.
+`make reports` writes them again. Numbers are compared where that is cheap.
 """
 
 import re
