@@ -89,7 +89,8 @@ def inline_equation(translator: Any, node: Any) -> None:
 
 def displayed_equation(translator: Any, node: Any) -> None:
     """An equation of its own; an empty line begins a new one."""
-    rows = "".join(f"<div>{drawn(tex.replace(r'\frac', r'\dfrac'), 14.0)}</div>" for tex in node.astext().split("\n\n"))
+    texts = node.astext().replace(r"\frac", r"\dfrac").split("\n\n")
+    rows = "".join(f"<div>{drawn(tex, 14.0)}</div>" for tex in texts)
     translator.body.append(f'<div class="math">{rows}</div>')
     raise SkipNode
 
