@@ -28,7 +28,7 @@ class Repeated:
     def __init__(self, part: str) -> None:
         self.GROUPS, self.film, self.trim = uvlm.GROUPS, uvlm.film, uvlm.trim
         self.nodes, self.work, self.frame_bytes = uvlm.nodes, uvlm.work, uvlm.frame_bytes
-        self.ahead = uvlm.ahead
+        self.ahead, self.uses = uvlm.ahead, uvlm.uses
         self.allocate, self.settle, self.record = uvlm.allocate, uvlm.settle, uvlm.record
         self.prepare = _doing_again(part)
 
@@ -36,7 +36,7 @@ class Repeated:
 def _doing_again(part: str) -> Any:
     # A part is done again where all that it reads stands, and what it writes is either the same or written anew.
     @ti.func
-    def prepare(batch: View, b, n, rule):
+    def prepare(batch: View, b, n, rule, used: View):
         if ti.static(part == "convect"):
             for _ in range(AGAIN if n > 0 else 0):
                 # For no time at all, so that nothing moves.
@@ -44,7 +44,7 @@ def _doing_again(part: str) -> Any:
         if ti.static(part == "assemble"):
             for _ in range(AGAIN):
                 lattice.assemble(batch.body, batch.flow, b, n)
-        uvlm.prepare(batch, b, n, rule)
+        uvlm.prepare(batch, b, n, rule, used)
         if ti.static(part == "lay"):
             for _ in range(AGAIN):
                 lattice.lay_panels(batch.body, batch.flow, b, n)

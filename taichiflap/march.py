@@ -19,6 +19,8 @@ A fluid model is a module, of this package or from elsewhere (see `taichiflap.fl
 - `prepare(batch, b, n, rule)`: fills `body.load` and `body.response`, which come zeroed;
 - `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
 - `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding;
+- if it likes, `uses(cases)`: what some case of a batch needs, hashable, the last argument of `prepare` and `settle`, so
+  that by `ti.static` the kernel holds nothing else;
 - if it likes, `ahead(cases, groups, threads)`: what is called with every step n from `ahead.first` on, to do
   beforehand on all threads what one case's thread would be long at.
 """
@@ -139,11 +141,30 @@ def track_frame(body: View, track: View, b, frame):
 
 
 @functools.cache
-def kernel(fluid: ModuleType, film: bool = True) -> Any:
-    """The kernel that marches a batch with a fluid model: many steps of many cases in one launch."""
+def kernel(fluid: ModuleType, film: bool = True, used: Any = None) -> Any:
+    """The kernel that marches a batch with a fluid model: many steps of many cases in one launch.
+
+    Args:
+        used: what the model's `uses` said of the batch; it goes to `prepare` and `settle`.
+    """
 
     groups = {name: group for name, group in fluid.GROUPS.items() if film or name != "film"}
     Batch = ti.types.argpack(body=Body, track=Track, **groups)
+    told = used is not None
+
+    @ti.func
+    def prepare(batch: View, b, n, rule):
+        if ti.static(told):
+            fluid.prepare(batch, b, n, rule, used)
+        else:
+            fluid.prepare(batch, b, n, rule)
+
+    @ti.func
+    def settle(batch: View, b, n, rule):
+        if ti.static(told):
+            fluid.settle(batch, b, n, rule, used)
+        else:
+            fluid.settle(batch, b, n, rule)
 
     @ti.func
     def march_case(batch: View, b, first, last, opening):
@@ -152,9 +173,9 @@ def kernel(fluid: ModuleType, film: bool = True) -> Any:
             if batch.body.failed[b] < 0:
                 rule = differencing(n, batch.body.dt[b])
                 predict(batch.body, b, n, rule)
-                fluid.prepare(batch, b, n, rule)
+                prepare(batch, b, n, rule)
                 accelerate(batch.body, b, n, rule)
-                fluid.settle(batch, b, n, rule)
+                settle(batch, b, n, rule)
                 if has_diverged(batch.body, b):
                     batch.body.failed[b] = n
                 if n % every == 0:
@@ -287,7 +308,8 @@ class March:
         )
         film = {"film": self.fluid.film(self.cases, frames)} if self._filming else {}
         self._stored = [self._track, *film.values()]
-        group, self._kernel = kernel(self.fluid, self._filming)
+        uses = getattr(self.fluid, "uses", None)
+        group, self._kernel = kernel(self.fluid, self._filming, uses(self.cases) if uses else None)
         self._batch = group(body=self.body, track=self._track, **film, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:

@@ -289,3 +289,12 @@ def test_a_vortex_that_meets_the_wing(crossing, sign):
     assert numpy_view(wakes.ring)[0, wake.CROSSINGS] == 1
     assert sign * numpy_view(wakes.vortex)[0, wake.GAP, 0] > 0.0
     assert sign * (numpy_view(wakes.vortex)[0, 1, 0] - marched.motion[0, 1, 0]) > 0.0
+
+
+def test_a_kernel_that_holds_more_gives_the_same_bits():
+    plain = hawkmoth("time.periods=1", "time.steps_per_period=40", "uvlm.panels=9")
+    accurate = plain.override("uvlm.loads=vortices", "uvlm.spacing=cosine", "uvlm.suction=true")
+    alone, _ = march(plain)
+    (together, _), _ = march([plain, accurate])
+    for name, values in vars(alone).items():
+        np.testing.assert_array_equal(getattr(together, name), values, err_msg=name)

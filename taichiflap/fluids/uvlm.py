@@ -4,6 +4,7 @@ Reade & Jankauski (2020), Eqs 28-34; `taichiflap.lattice` holds Eqs 28-31, `taic
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,22 @@ nodes = lattice.nodes
 def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]:
     """Arrays of the lattices and wakes of a batch."""
     return {"flow": lattice.allocate(cases, sections), "wake": wake.allocate(cases)}
+
+
+@dataclass(frozen=True)
+class Uses:
+    """What of the model some case of a batch needs; the kernel holds nothing else, and is ready the sooner."""
+
+    suction: bool
+    loads_at_vortices: bool
+
+
+def uses(cases: Sequence[Case]) -> Uses:
+    """What a batch needs of the model."""
+    return Uses(
+        suction=any(case.uvlm.suction for case in cases),
+        loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
+    )
 
 
 def ahead(cases: Sequence[Case], groups: dict[str, Any], threads: int | None) -> LongWakes:
@@ -88,7 +105,7 @@ def frame_bytes(case: Case) -> float:
 
 
 @ti.func
-def load_modes(body: View, flow: View, b, rule):
+def load_modes(body: View, flow: View, b, rule, used: View):
     """Modal force and its response to the modal acceleration.
 
     Unsteady Bernoulli (Eq. 33) with the second-order d(Gamma)/dt: `-rho (slip Gamma + dPhi/dt dy)` along e_z, where the
@@ -116,10 +133,11 @@ def load_modes(body: View, flow: View, b, rule):
                 else:
                     body.response[b, j, column - 1] = body.response[b, j, column - 1] + rule[BETA] * scale * share
             change_ahead = change
-    if flow.suction[b, FACTOR] > 0.0:
-        _, normal = suction_force(body, flow, b)
-        for j in range(modes):
-            body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
+    if ti.static(used.suction):
+        if flow.suction[b, FACTOR] > 0.0:
+            _, normal = suction_force(body, flow, b)
+            for j in range(modes):
+                body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
 
 
 @ti.func
@@ -142,7 +160,7 @@ def suction_force(body: View, flow: View, b):
 
 
 @ti.func
-def circulate(body: View, flow: View, wakes: View, b, rule):
+def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
     """Circulation, new vortex and forces with the modal rates that the step has come to.
 
     The force of a pressure dP on a piece of the camber line is `dP * span * (-dz, dy)` and its moment about the pivot
@@ -182,11 +200,12 @@ def circulate(body: View, flow: View, wakes: View, b, rule):
         change_ahead = change
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.total[b] - running
     flow.total[b] = running
-    if flow.suction[b, FACTOR] > 0.0:
-        axial, normal = suction_force(body, flow, b)
-        total_normal += normal
-        total_axial += axial
-        total_moment += flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
+    if ti.static(used.suction):
+        if flow.suction[b, FACTOR] > 0.0:
+            axial, normal = suction_force(body, flow, b)
+            total_normal += normal
+            total_axial += axial
+            total_moment += flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
     body.force[b, NORMAL] = total_normal
     body.force[b, AXIAL] = total_axial
     body.force[b, MOMENT] = total_moment
@@ -194,7 +213,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule):
 
 
 @ti.func
-def prepare(batch: View, b, n, rule):
+def prepare(batch: View, b, n, rule, used: View):
     """Geometry and circulation of the coming step `n`, linear in the modal acceleration; its modal force."""
     panels = batch.flow.panels[b]
     if n > 0:
@@ -205,21 +224,24 @@ def prepare(batch: View, b, n, rule):
     lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
     lattice.assemble(batch.body, batch.flow, b, n)
     lattice.solve(batch.body, batch.flow, b)
-    if batch.flow.whole[b] == 0 or batch.flow.suction[b, FACTOR] > 0.0:
-        lattice.expect_circulation(batch.body, batch.flow, batch.wake, b)
     if batch.flow.whole[b] == 1:
         lattice.slip_at_points(batch.body, batch.flow, b, n)
-    else:
-        lattice.slip_at_vortices(batch.body, batch.flow, batch.wake, b, n)
-    if batch.flow.suction[b, FACTOR] > 0.0:
-        lattice.suck(batch.body, batch.flow, batch.wake, b, n)
-    load_modes(batch.body, batch.flow, b, rule)
+    if ti.static(used.suction or used.loads_at_vortices):
+        if batch.flow.whole[b] == 0 or batch.flow.suction[b, FACTOR] > 0.0:
+            lattice.expect_circulation(batch.body, batch.flow, batch.wake, b)
+    if ti.static(used.loads_at_vortices):
+        if batch.flow.whole[b] == 0:
+            lattice.slip_at_vortices(batch.body, batch.flow, batch.wake, b, n)
+    if ti.static(used.suction):
+        if batch.flow.suction[b, FACTOR] > 0.0:
+            lattice.suck(batch.body, batch.flow, batch.wake, b, n)
+    load_modes(batch.body, batch.flow, b, rule, used)
 
 
 @ti.func
-def settle(batch: View, b, n, rule):
+def settle(batch: View, b, n, rule, used: View):
     """Circulation, new vortex and forces of step `n` once its modal acceleration is known."""
-    circulate(batch.body, batch.flow, batch.wake, b, rule)
+    circulate(batch.body, batch.flow, batch.wake, b, rule, used)
 
 
 @ti.func
