@@ -37,6 +37,7 @@ html_math_renderer = "drawn"
 exclude_patterns = ["_build", "generated"]
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
+suppress_warnings = ["toc.empty_glob"]
 default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
