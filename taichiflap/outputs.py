@@ -33,7 +33,7 @@ def check(path: Path, overwrite: bool) -> None:
     if not path.parent.is_dir():
         raise OutputError(f"{path}: cannot be written: {path.parent} is not a folder")
     if path.exists() and not overwrite:
-        raise OutputError(f"{path}: exists already; --overwrite replaces it, -o writes elsewhere")
+        raise OutputError(f"{path}: exists already; --overwrite replaces it, or name another file")
 
 
 @contextlib.contextmanager

@@ -1,8 +1,11 @@
 """Warnings about cases that are legal but that the models are not good for."""
 
-from . import beam
+from . import beam, fluids
 from .case import Case
 from .profile import Profile
+
+LARGE = 50e9
+"""Bytes of a result file that are worth a warning."""
 
 
 def warnings(case: Case) -> list[str]:
@@ -26,4 +29,15 @@ def warnings(case: Case) -> list[str]:
         most = Profile.of(case.wing.thickness).values.max()
         if most > 0.2 * case.wing.chord:
             found.append(f"wing.thickness = {most:g} m is over a fifth of the chord: no thin plate bends so")
+    size = file_size(case)
+    if size > LARGE:
+        found.append(f"the result file will take {size / 1e9:.3g} GB; a larger output.every makes it smaller")
     return found
+
+
+def file_size(case: Case) -> float:
+    """Size of a case's result file, bytes, but for a few percent."""
+    model = fluids.load(case.solver)
+    points = len(model.nodes(case))
+    frame = 8.0 * (18 + 4 * case.wing.modes) + 4.0 * 4 * points
+    return float(frame * (case.steps // case.output.every + 1) + 16.0 * model.vortices(case))

@@ -90,6 +90,7 @@ class Writer:
             return
         frames = self.case.steps // self.case.output.every + 1
         try:
+            self._check_room(frames * sum(_row_bytes(name, sample) for name in VARIABLES) + 16 * vortices)
             self._file = self._create()
             self._describe()
             self._lay_out_axes(frames, nodes, section)
@@ -105,7 +106,8 @@ class Writer:
             raise
         except (OSError, ValueError, RuntimeError) as error:
             # HDF5 reports a full disk as any of them, with the system's words inside.
-            said = str(error).partition("error message = '")[2].partition("'")[0] or str(error).splitlines()[0]
+            inside = str(error).partition("error message = '")[2].partition("'")[0]
+            said = inside or (first_line(error) if isinstance(error, OSError) else str(error).splitlines()[0])
             raise ResultError(f"{self.path}: cannot be created: {said}") from None
 
     @property
@@ -198,12 +200,23 @@ class Writer:
                     one.close()
         self._discard_draft()
 
-    def _create(self) -> Any:
+    def _check_room(self, size: int) -> None:
+        """Refuse what does not fit before HDF5 has begun it: HDF5 does not survive a file that it cannot close."""
         if self.path is None:
-            self._raw = io.BytesIO()
-            return h5py.File(self._raw, "w")
+            return
+        free = shutil.disk_usage(self.path.parent).free
+        if size > free:
+            room = f"needs {_size(size)}, the disk has {_size(free)} free; a larger output.every makes it smaller"
+            raise ResultError(f"{self.path}: {room}")
         self._draft = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
-        return h5py.File(self._draft, "w")
+        with open(self._draft, "wb") as file:
+            file.truncate(size)
+
+    def _create(self) -> Any:
+        if self._draft is not None:
+            return h5py.File(self._draft, "w")
+        self._raw = io.BytesIO()
+        return h5py.File(self._raw, "w")
 
     def _find_places(self) -> None:
         """Where in the file the variables over time begin."""
@@ -216,13 +229,9 @@ class Writer:
             self._places[name] = (dataset.get_offset(), dataset.dtype)
 
     def _publish(self) -> None:
-        """The laid out file becomes `NAME.part`, once it is good to read at any moment, and fits on the disk."""
+        """The laid out file becomes `NAME.part`, once it is good to read at any moment."""
         if self.path is None or self._draft is None:
             return
-        size, free = self._file.id.get_filesize(), shutil.disk_usage(self.path.parent).free
-        if size > free:
-            room = f"needs {_size(size)}, the disk has {_size(free)} free; a larger output.every makes it smaller"
-            raise ResultError(f"{self.path}: {room}")
         checkpoint.discard(self.path)
         try:
             _move(self._draft, part(self.path), self._overwrite)
@@ -402,6 +411,12 @@ def _place(group: Any, name: str, shape: tuple[int, ...], kind: str, **fill: Any
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     return group.create_dataset(name, shape, kind, dcpl=properties, **fill)
+
+
+def _row_bytes(name: str, sample: Mapping[str, np.ndarray]) -> int:
+    """Bytes of a frame of a variable."""
+    items = int(np.prod(sample[name].shape[1:])) if name in sample else 0
+    return items * (4 if VARIABLES[name].single else 8)
 
 
 def _size(number: float) -> str:

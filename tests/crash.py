@@ -1,119 +1,184 @@
-"""SIGKILL at random moments of runs and exports: `make crash-test` prints what became of the files.
+"""SIGKILL at random moments of runs, sweeps and exports: `make crash-test` prints what became of the files.
 
-After every kill each file must open with plain h5py, a resumed run must equal the uninterrupted one in every bit, and
-an export must be whole or absent.
+After every kill each file must open with plain h5py, what is taken up again must equal the uninterrupted one in every
+bit, and an export must be whole or absent. Every process is a fork of this one, which has imported all, but not
+started Taichi; what takes up is one process for all.
 """
 
+import collections
+import contextlib
+import multiprocessing
+import os
 import random
-import subprocess
+import signal
 import sys
 import tempfile
 import time
+import traceback
 from pathlib import Path
 
 import h5py
+import numpy as np
 
-ROOT = Path(__file__).parent.parent
-SETTINGS = ("uvlm.panels=20", "uvlm.wake=300", "time.periods=40", "output.every=2")
-FORMATS = ("csv", "vtkhdf", "html")
+import taichiflap
+from taichiflap import checkpoint, run
+from taichiflap.export import FORMATS, export
+from taichiflap.plots import plot
+from taichiflap.studies import batch
+from taichiflap.writer import Writer
 
-RUN = """
-import sys
-from taichiflap import checkpoint, load_case, run, simulate
-run.BLOCK_STEPS, checkpoint.SECONDS = 150, 0.0
-print("begun", flush=True)
-simulate(load_case(sys.argv[1], sys.argv[3:]), sys.argv[2], resume=True).close()
-"""
-EXPORT = """
-import sys
-from pathlib import Path
-from taichiflap import open_result
-from taichiflap.export import export
-print("begun", flush=True)
-for kind in sys.argv[3:]:
-    export(open_result(sys.argv[1]), kind, Path(sys.argv[2], "export." + kind), overwrite=True)
-"""
+CASES = Path(__file__).parent.parent / "cases"
+SHORT = ("uvlm.panels=8", "uvlm.wake=100", "time.periods=6", "time.steps_per_period=100", "wing.modes=2")
+BLADES = ("time.periods=2", "time.steps_per_period=50", "wing.modes=1")
+FAST = ("csv", "vtkhdf", "html", "plots")
 
 
-def start(script, *arguments):
-    """A process of its own, up to where its work begins."""
-    command = [sys.executable, "-c", script, *map(str, arguments)]
-    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "begun\n"
+def simulate(path):
+    """The run to kill: many blocks, and a checkpoint after each."""
+    run.BLOCK_STEPS, checkpoint.SECONDS = 30, 0.0
+    taichiflap.simulate(taichiflap.load_case(CASES / "hawkmoth.toml", SHORT), path, resume=True).close()
+
+
+def sweep(path):
+    """The sweep to kill: many batches."""
+    batch.BATCH_WORK = 0.0
+    taichiflap.sweep(
+        taichiflap.load_case(CASES / "hawkmoth_dbet.toml", BLADES), {"fluid.density": "1:2:40"}, path, threads=1
+    )
+
+
+def write(whole, folder, kind):
+    """The exports to kill."""
+    with taichiflap.open_result(whole) as result:
+        if kind == "plots":
+            plot([result], folder / "export", overwrite=True)
+        else:
+            export(result, kind, folder / f"export.{kind}", overwrite=True)
+
+
+def start(work, *arguments, ready=None):
+    """A process of its own, up to where its work begins, or to where it calls a method of the writer for good."""
+    begun, tell = os.pipe()
+    process = os.fork()
+    if process == 0:
+        try:
+            if ready is None:
+                os.write(tell, b".")
+            else:
+                method = getattr(Writer, ready)
+                setattr(Writer, ready, lambda *given: (os.write(tell, b"."), method(*given))[1])
+            work(*arguments)
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+        os._exit(0)
+    os.close(tell)
+    os.read(begun, 1)
+    os.close(begun)
     return process
 
 
-def completes(script, *arguments):
-    """Let the work end by itself; the seconds that it took."""
+def killed(delay, work, *arguments, ready=None):
+    """Whether the work was still going on `delay` seconds after its beginning, when it was killed."""
+    process = start(work, *arguments, ready=ready)
+    time.sleep(delay)
+    os.kill(process, signal.SIGKILL)
+    _, status = os.waitpid(process, 0)
+    assert status in (0, signal.SIGKILL)
+    return status != 0
+
+
+def timed(work, *arguments):
+    """The seconds that some work takes."""
     began = time.perf_counter()
-    with start(script, *arguments) as process:
-        process.wait()
-    assert process.returncode == 0
+    work(*arguments)
     return time.perf_counter() - began
 
 
-def killed(script, arguments, delay):
-    """Whether the work was still going on after `delay` seconds, when it was killed."""
-    with start(script, *arguments) as process:
-        time.sleep(delay)
-        process.kill()
-    return process.returncode == -9
+@contextlib.contextmanager
+def helper():
+    """A process that is never killed: a function that has it do some work, and returns the seconds that it took."""
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        yield lambda *work: pool.apply(timed, work)
+
+
+def moment(rng, seconds):
+    """Of every ten kills three fall into the last tenth, where files are closed and get their names."""
+    return rng.uniform(0.9 * seconds if rng.random() < 0.3 else 0.0, 1.1 * seconds)
 
 
 def arrays(path):
-    """Every array of an HDF5 file, as bytes, by plain h5py."""
+    """Every array of an HDF5 file, as bytes or texts, by plain h5py."""
     found = {}
     with h5py.File(path, "r") as file:
 
         def visit(name, item):
-            if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
-                found[name] = item[...].tobytes()
+            if isinstance(item, h5py.Dataset) and not isinstance(item.dtype, h5py.Reference):
+                found[name] = item[...].tolist() if item.dtype.kind == "O" else item[...].tobytes()
 
         file.visititems(visit)
     return found
 
 
+def phase(path):
+    """Where a run was when it was killed."""
+    part = path.with_name(path.name + ".part")
+    if path.exists():
+        return "finished, to be tidied up"
+    if not part.exists():
+        return "before its file was laid out"
+    with h5py.File(part, "r") as file:
+        return "in its march" if np.isnan(file["time"][-1]) else "in its last writes"
+
+
+def clear(folder, stem):
+    """Remove what was finished, and drafts that had no name yet; nothing else may be there."""
+    for left in (*folder.glob(f".{stem}*"), folder / f"{stem}.h5"):
+        left.unlink(missing_ok=True)
+    assert not list(folder.glob(f"{stem}*"))
+
+
 def crash_runs(kills, rng, folder):
-    """Kill one run again and again at random moments, each time resumed, until `kills` kills have hit."""
-    case = ROOT / "cases" / "hawkmoth.toml"
-    whole = folder / "whole.h5"
-    completes(RUN, case, whole, *SETTINGS)
-    seconds = completes(RUN, case, folder / "timed.h5", *SETTINGS)
-    expected, hits, runs = arrays(whole), 0, 0
-    path = folder / "run.h5"
-    while hits < kills:
-        hits += killed(RUN, (case, path, *SETTINGS), rng.uniform(0.0, 0.7 * seconds))
-        for left in (path, path.with_name("run.h5.part")):
-            if left.exists():
-                assert len(arrays(left)) == len(expected), left
-        if rng.random() < 0.3 and hits < kills and not path.exists():
-            continue  # a run that is killed once more before it is through
-        completes(RUN, case, path, *SETTINGS)
-        assert arrays(path) == expected
-        for left in folder.glob(".run.h5*"):
-            left.unlink()  # a draft that had no name yet
-        assert not list(folder.glob("run.h5.*"))
-        path.unlink()
-        runs += 1
-    return runs
+    """Kill runs again and again, each time resumed, until `kills` kills have hit; how often in which phase."""
+    phases, resumed = collections.Counter(), 0
+    with helper() as complete:
+        complete(simulate, folder / "whole.h5")
+        seconds = complete(simulate, folder / "timed.h5")
+        expected, path = arrays(folder / "whole.h5"), folder / "run.h5"
+        while phases.total() < kills:
+            begin, most = (None, 3.0) if rng.random() < 0.1 else ("lay_out", moment(rng, seconds))
+            if killed(rng.uniform(0.0, most) if begin is None else most, simulate, path, ready=begin):
+                phases[phase(path)] += 1
+            for left in (path, path.with_name("run.h5.part")):
+                if left.exists():
+                    assert arrays(left).keys() == expected.keys(), left
+            if rng.random() < 0.2 and phases.total() < kills and not path.exists():
+                continue  # killed once more before it is through
+            complete(simulate, path)
+            assert arrays(path) == expected
+            resumed += 1
+            clear(folder, "run")
+    return phases, resumed
 
 
-def crash_exports(kills, rng, folder):
-    """Kill exports at random moments: each file is as it was, or the new one, whole."""
-    whole = folder / "whole.h5"
-    completes(EXPORT, whole, folder, *FORMATS)
-    seconds = completes(EXPORT, whole, folder, *FORMATS)
-    expected = {kind: content(folder / f"export.{kind}") for kind in FORMATS}
-    hits = 0
-    while hits < kills:
-        for kind in FORMATS:
-            (folder / f"export.{kind}").unlink(missing_ok=True)
-        hits += killed(EXPORT, (whole, folder, *FORMATS), rng.uniform(0.0, seconds))
-        for kind in FORMATS:
-            path = folder / f"export.{kind}"
-            assert not path.exists() or content(path) == expected[kind], path
-        for left in folder.glob(".export.*"):
-            left.unlink()
+def crash_sweeps(kills, rng, folder):
+    """Kill sweeps, each time taken up again, until `kills` kills have hit."""
+    hits = resumed = 0
+    with helper() as complete:
+        complete(sweep, folder / "map.h5")
+        expected, path = arrays(folder / "map.h5"), folder / "sweep.h5"
+        seconds = timed(lambda: os.waitpid(start(sweep, folder / "timed_map.h5"), 0))
+        while hits < kills:
+            hits += killed(rng.uniform(0.0, seconds), sweep, path)
+            if path.exists():
+                assert arrays(path).keys() == expected.keys()
+            if rng.random() < 0.2 and hits < kills:
+                continue
+            complete(sweep, path)
+            assert arrays(path) == expected
+            resumed += 1
+            clear(folder, "sweep")
+    return resumed
 
 
 def content(path):
@@ -121,18 +186,43 @@ def content(path):
     return arrays(path) if path.suffix == ".vtkhdf" else path.read_bytes()
 
 
+def crash_exports(kills, rng, folder, kinds=(*FAST, *FORMATS[3:])):
+    """Kill exports of all kinds in turn: each file is absent, or whole."""
+    hits, seconds, expected = 0, {}, {}
+    whole = folder / "whole.h5"
+    for kind in kinds:
+        seconds[kind] = timed(write, whole, folder, kind)
+    for path in folder.glob("export*"):
+        expected[path.name] = content(path)
+        path.unlink()
+    while hits < kills:
+        # Films are slow.
+        kind = rng.choice(kinds if rng.random() < 0.2 else [kind for kind in kinds if kind in FAST])
+        hits += killed(moment(rng, seconds[kind]), write, whole, folder, kind)
+        for path in folder.glob("export*"):
+            assert content(path) == expected[path.name], path
+            path.unlink()
+        for left in folder.glob(".export*"):
+            left.unlink(missing_ok=True)
+
+
 def main(kills=100, seed=None):
     """Run the test and print its figures."""
     seed = random.randrange(2**31) if seed is None else seed
-    print(f"seed {seed}")
+    print(f"seed {seed}", flush=True)
     rng = random.Random(seed)
+    half, some = -(-kills * 2 // 5), kills // 10
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        half = kills // 2
-        runs = crash_runs(kills - half, rng, folder)
-        print(f"{kills - half} kills of runs: every file readable, {runs} resumed runs equal to the bit", flush=True)
-        crash_exports(half, rng, folder)
-        print(f"{half} kills of exports: every file whole or absent", flush=True)
+        phases, resumed = crash_runs(half, rng, folder)
+        where = ", ".join(f"{count} {place}" for place, count in phases.items())
+        print(
+            f"{half} kills of runs ({where}): every file readable, {resumed} resumed runs equal to the bit", flush=True
+        )
+        resumed = crash_sweeps(some, rng, folder)
+        print(f"{some} kills of sweeps: every map readable, {resumed} resumed ones equal to the bit", flush=True)
+        crash_exports(kills - half - some, rng, folder)
+        print(f"{kills - half - some} kills of exports: every file whole or absent", flush=True)
 
 
 if __name__ == "__main__":
