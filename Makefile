@@ -6,7 +6,7 @@ PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test docs reports package clean
+.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test fuzz docs reports package clean
 
 hawkmoth: .venv/.run  ## set up and run the main job
 	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
@@ -47,6 +47,9 @@ bench-view: .venv/.dev  ## the viewer: time a frame, ten browsers, a large file
 
 crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, and look at what they leave
 	$(BIN)/python tests/crash.py 100
+
+fuzz: .venv/.dev  ## 20,000 wrong inputs and 2,000 damaged files: what becomes of them
+	$(BIN)/python tests/fuzz.py 20000
 
 docs: .venv/.docs  ## the documentation, warnings as errors
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html

@@ -38,6 +38,8 @@ class CaseError(UserError):
     """A case that cannot be run: every problem found, one line each."""
 
     def __init__(self, source: str, problems: list[str]) -> None:
+        # One line each, whatever stands in the file.
+        problems = ["".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in one) for one in problems]
         self.source, self.problems = source, problems
         super().__init__("\n".join(f"{source}: {problem}" for problem in problems))
 

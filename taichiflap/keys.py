@@ -2,8 +2,11 @@
 
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 from pydantic_core import PydanticCustomError
+
+LEAST = 1e-30
+"""Numbers that are smaller, and not zero, are slips: products and quotients of them leave the range of arithmetic."""
 
 
 def _without_nothing(schema: dict[str, Any]) -> None:
@@ -19,6 +22,21 @@ class Section(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, json_schema_extra=_without_nothing
     )
+
+    @field_validator("*")
+    @classmethod
+    def _of_some_size(cls, value: Any) -> Any:
+        tiny = _tiny(value)
+        if tiny:
+            raise ValueError(f"{tiny:g} is next to nothing; give 0 or more than {LEAST:g}")
+        return value
+
+
+def _tiny(value: Any) -> float:
+    """A number in a value that is too small; zero if there is none."""
+    if isinstance(value, tuple):
+        return next(filter(None, map(_tiny, value)), 0.0)
+    return value if isinstance(value, float) and 0.0 < abs(value) < LEAST else 0.0
 
 
 def key(default: Any = ..., *, unit: str = "", text: str, example: Any = None, **limits: Any) -> Any:

@@ -17,7 +17,7 @@ REASONS = 3
 def map_lines(sheet: Map) -> Iterator[str]:
     """Lines of text that summarise a map, complete or not."""
     design, status = sheet.design, sheet.status
-    yield str(sheet.file.attrs["title"]) or "(no title)"
+    yield sheet.title or "(no title)"
     counts = f"{np.sum(status == COMPLETE):,} complete, {np.sum(status == FAILED):,} failed"
     yield _line("file", f"{sheet.path or 'in memory'}, {design.size:,} cases: {counts}")
     for axis in design.axes:

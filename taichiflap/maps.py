@@ -5,6 +5,7 @@ numbers are flushed before the status that vouches for them, and both after ever
 no more than the batch that was running.
 """
 
+import math
 import os
 import time
 import tomllib
@@ -17,10 +18,12 @@ from typing import Any
 import h5py
 import numpy as np
 
+from . import intact
 from ._version import __version__
 from .case import Case, CaseError, parse_case
-from .design import Axis, Design
+from .design import MOST_CASES, Axis, Design
 from .errors import UserError
+from .intact import DAMAGE, DamageError
 from .problems import key_units
 from .variables import VARIABLES, Variable
 
@@ -29,7 +32,13 @@ FORMAT = 1
 
 TO_DO, COMPLETE, FAILED = range(3)
 """What `status` says of a case."""
+FLAGS = np.array([TO_DO, COMPLETE, FAILED], "i1")
 
+ATTRIBUTES = (
+    "Conventions", "title", "source", "history", "taichiflap_map", "case", "keys", "grid", "metrics", "series",
+    "state", "coordinates",
+)  # fmt: skip
+"""What a map says about itself."""
 SAMPLE, FRAME = "sample", "frame"
 SAMPLE_CHUNK = 1024
 NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
@@ -56,14 +65,19 @@ class Map:
         case: the base case.
         design: which cases the map is of.
         metrics: names of the metrics.
+        keeps_series: whether it holds time series too.
+        title: what it is.
+        version: of the taichiflap that began it.
     """
 
     def __init__(self, file: Any, path: Path | None) -> None:
         self.file, self.path = file, path
         self.case = _base_case(file, path)
         self.design = _read_design(file)
-        self.metrics = [str(name) for name in file.attrs["metrics"].split()]
-        self.keeps_series = bool(file.attrs["series"])
+        self.metrics = intact.attribute(file, "metrics").split()
+        self.keeps_series = bool(intact.attribute(file, "series"))
+        self.title = str(intact.attribute(file, "title"))
+        self.version = str(intact.attribute(file, "source")).rpartition(" ")[2]
 
     def __enter__(self) -> "Map":
         return self
@@ -91,7 +105,7 @@ class Map:
 
     def units(self, name: str) -> str:
         """Unit of a metric or of a key."""
-        return str(self.file[name].attrs.get("units", ""))
+        return str(self._words(name).get("units", ""))
 
     def outcomes(self, numbers: Sequence[int]) -> list[Outcome | None]:
         """For each of some cases its metrics, or why it has none; None if it has yet to run."""
@@ -101,12 +115,18 @@ class Map:
         for number in numbers:
             if status[number] == FAILED:
                 place = np.unravel_index(number, self.design.shape)
-                found.append(Outcome(reason=self.file["reason"].asstr()[place]))
+                found.append(Outcome(reason=self._reason(place)))
             elif status[number] == COMPLETE:
                 found.append(Outcome({name: float(column[number]) for name, column in columns.items()}))
             else:
                 found.append(None)
         return found
+
+    def _reason(self, place: tuple[Any, ...]) -> str:
+        try:
+            return intact.plain(self.file["reason"].asstr(errors="replace")[place])
+        except DAMAGE:
+            raise MapError(f"{self.path}: damaged: the reason of a failed case cannot be read") from None
 
     def record(self, numbers: Sequence[int], outcomes: Sequence[Outcome]) -> None:
         """Store what came of some cases, and flush it to the disk.
@@ -166,7 +186,7 @@ class Map:
         variables = {name: (dimensions, *self._described(name)) for name in (*self.metrics, "status", "reason")} | {
             name: ((*dimensions, FRAME), *self._described(name)) for name in kept
         }
-        return xarray.Dataset(variables, coordinates, dict(self.file.attrs))
+        return xarray.Dataset(variables, coordinates, intact.attributes(self.file, ATTRIBUTES))
 
     def _over(self, key: str, dimensions: tuple[str, ...]) -> tuple[str, ...]:
         return (key,) if self.design.grid else dimensions
@@ -174,11 +194,11 @@ class Map:
     def _described(self, name: str) -> tuple[np.ndarray, dict[str, Any]]:
         dataset = self.file[name]
         values = dataset.asstr()[...] if h5py.check_string_dtype(dataset.dtype) else dataset[...]
-        return values, {
-            key: dataset.attrs[key]
-            for key in ("units", "long_name", "symbol", "comment", "flag_values", "flag_meanings")
-            if key in dataset.attrs
-        }
+        flags = {"flag_values": FLAGS} if name == "status" else {}
+        return values, self._words(name) | flags
+
+    def _words(self, name: str) -> dict[str, Any]:
+        return intact.attributes(self.file[name], ("units", "long_name", "symbol", "comment", "flag_meanings"))
 
     def _keep(self, name: str, place: tuple[int, ...], values: np.ndarray) -> None:
         shape = self.design.shape
@@ -240,7 +260,7 @@ def create(
     for axis in design.axes:
         _lay_axis(file, axis, design.grid)
     statuses = file.create_dataset("status", **_room(design, "i1", TO_DO))
-    statuses.attrs["flag_values"] = np.array([TO_DO, COMPLETE, FAILED], "i1")
+    statuses.attrs["flag_values"] = FLAGS
     statuses.attrs["flag_meanings"] = "to_do complete failed"
     dimensions = _dimensions(design)
     _describe(file, statuses, Variable((), "", "what came of the case"), dimensions)
@@ -270,16 +290,18 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
     except OSError as error:
         raise MapError(f"{path}: not a readable map: {_first_line(error)}") from None
     try:
-        version = int(file.attrs["taichiflap_map"])
+        version = intact.attribute(file, "taichiflap_map")
         if version > FORMAT:
             raise MapError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
+        _check(file)
         opened = Map(file, path)
     except MapError:
         file.close()
         raise
-    except (KeyError, TypeError, ValueError, OSError, RuntimeError):
+    except DAMAGE as error:
         file.close()
-        raise MapError(f"{path}: an HDF5 file, but not a map of taichiflap") from None
+        said = f"{path}: damaged: {error}" if isinstance(error, DamageError) else f"{path}: an HDF5 file, but"
+        raise MapError(said if isinstance(error, DamageError) else f"{said} not a map of taichiflap") from None
     return opened
 
 
@@ -288,8 +310,31 @@ def is_map(path: Path) -> bool:
     try:
         with h5py.File(path, "r", locking=False) as file:
             return "taichiflap_map" in file.attrs
-    except OSError:
+    except DAMAGE:
         return False
+
+
+def _check(file: Any) -> None:
+    """Refuse a file that a reader could trip over.
+
+    Raises:
+        DamageError: when something is missing, cut off, elsewhere or of an impossible size.
+    """
+    said = {name: intact.attribute(file, name) for name in ("title", "source", "keys", "metrics", "grid", "series")}
+    keys, grid = said["keys"].split(), bool(said["grid"])
+    lengths = tuple(intact.array(file, key, (None,), "ifO", whole=False)[0] for key in keys)
+    shape = lengths if grid else lengths[:1]
+    if not keys or math.prod(shape) > MOST_CASES or (not grid and len(set(lengths)) > 1):
+        raise DamageError(f"a design of {' x '.join(map(str, lengths))} cases")
+    intact.array(file, "status", shape, "i", whole=False)
+    intact.array(file, "reason", shape, "O", whole=False)
+    for name in said["metrics"].split():
+        intact.array(file, name, shape, "f", whole=False)
+    for name in ("time", *VARIABLES):
+        if name in file:
+            intact.array(file, name, (*shape, None), "f", whole=False)
+    if not grid:
+        intact.array(file, SAMPLE, shape, "i", whole=False)
 
 
 def _create(path: Path | None) -> Any:
@@ -344,17 +389,22 @@ def _scatter(dataset: Any, places: np.ndarray, values: Sequence[float]) -> None:
 
 def _base_case(file: Any, path: Path | None) -> Case:
     try:
-        return parse_case(tomllib.loads(file.attrs["case"]), str(path))
+        return parse_case(tomllib.loads(intact.attribute(file, "case")), str(path))
     except CaseError as error:
         raise MapError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
 
 
 def _read_design(file: Any) -> Design:
     axes = []
-    for key in file.attrs["keys"].split():
+    for key in intact.attribute(file, "keys").split():
         text = h5py.check_string_dtype(file[key].dtype)
-        axes.append(Axis(key, tuple(file[key].asstr()[...] if text else file[key][...].tolist())))
-    return Design(tuple(axes), bool(file.attrs["grid"]))
+        axes.append(
+            Axis(
+                key,
+                tuple(map(intact.plain, file[key].asstr(errors="replace")[...]) if text else file[key][...].tolist()),
+            )
+        )
+    return Design(tuple(axes), bool(intact.attribute(file, "grid")))
 
 
 def _first_line(error: OSError) -> str:

@@ -1,6 +1,7 @@
 """What is wrong with a case file, in words: the key, its value, what is allowed, and the nearest valid key."""
 
 import difflib
+import functools
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, get_args, get_origin
 
@@ -133,12 +134,17 @@ def _allowed(owner: type[BaseModel], key: str) -> str:
     section = _section(field)
     if section:
         return f"a table: {first_line(section)}"
-    schema = owner.model_json_schema()["properties"][key]
+    schema = _schema(owner)["properties"][key]
     kinds = _alternatives(schema)
     words = " or ".join(dict.fromkeys(_kind(kind) for kind in kinds))
     unit = f" {schema['unit']}" if "unit" in schema else ""
     example = f", e.g. {_shown(field.examples[0])}" if field.examples else ""
     return f"{words}{unit}{example} ({field.description})"
+
+
+@functools.cache
+def _schema(model: type[BaseModel]) -> dict[str, Any]:
+    return model.model_json_schema()
 
 
 def _alternatives(schema: Mapping[str, Any]) -> list[Mapping[str, Any]]:

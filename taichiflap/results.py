@@ -10,15 +10,32 @@ from typing import Any
 import h5py
 import numpy as np
 
+from . import intact
 from .case import Case, CaseError, parse_case
 from .errors import UserError
-from .variables import VARIABLES, WAKE_VARIABLES
+from .intact import DAMAGE, DamageError
+from .variables import MODE_VARIABLES, VARIABLES, WAKE_VARIABLES
 
 FORMAT = 1
 """Version of the layout; a reader refuses files of a newer one."""
 
 PART = ".part"
 """What the name of a file ends in until it is complete."""
+
+ATTRIBUTES = (
+    "Conventions", "title", "source", "history", "taichiflap_format", "case", "warnings", "solve_time", "status",
+    "reason",
+)  # fmt: skip
+"""What a file says about itself."""
+
+STATUSES = ("running", "complete", "failed")
+
+REQUIRED = (
+    "plunge", "pitch", "q", "q_rate", "tip_deflection", "force_normal", "force_axial", "force_y", "force_z",
+    "force_vertical", "force_vertical_normal", "moment", "power", "power_aerodynamic", "power_inertial",
+    "node_position",
+)  # fmt: skip
+"""Variables that every model has; those over modes only if the wing bends."""
 
 
 class ResultError(UserError):
@@ -42,7 +59,7 @@ class Result:
     def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("_") or name not in self.variables:
             raise AttributeError(f"no variable {name!r} in this result; it has {', '.join(self.variables)}")
-        return self.file[name][: self.frames]
+        return self._sound(name, self.file[name][: self.frames])
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.variables]
@@ -68,13 +85,15 @@ class Result:
     @property
     def attributes(self) -> dict[str, Any]:
         """The file's own attributes: title, source, status, solve time ..."""
-        plain = {name: _plain(value) for name, value in self.file.attrs.items()}
-        return {name: value for name, value in plain.items() if value is not None}
+        said = intact.attributes(self.file, ATTRIBUTES)
+        # What a run is yet to fill in.
+        unknown = [name for name, value in said.items() if value != value or (name == "reason" and not value)]  # noqa: PLR0124
+        return {name: value for name, value in said.items() if name not in unknown}
 
     @property
     def status(self) -> str:
         """`running`, `complete` or `failed`."""
-        return str(_plain(self.file.attrs["status"]))
+        return str(intact.attribute(self.file, "status"))
 
     @functools.cached_property
     def case(self) -> Case:
@@ -96,7 +115,7 @@ class Result:
 
     def frame(self, name: str, index: int) -> np.ndarray:
         """One frame of a variable, without reading the others."""
-        return self._dataset(name)[range(self.frames)[index]]
+        return self._sound(name, self._dataset(name)[range(self.frames)[index]])
 
     def wake(self, index: int) -> dict[str, np.ndarray]:
         """Wake vortices of one frame, oldest first: `y`, `z` (m), `circulation` (m2/s) and `birth` (step).
@@ -110,7 +129,7 @@ class Result:
             self._wake_ends = np.cumsum(self.file["wake/count"][: self.frames], dtype=np.int64)
         first = 0 if index == 0 else int(self._wake_ends[index - 1])
         last = int(self._wake_ends[index])
-        return {name: self._dataset(f"wake/{name}")[first:last] for name in WAKE_VARIABLES}
+        return {name: self._sound(name, self._dataset(f"wake/{name}")[first:last]) for name in WAKE_VARIABLES}
 
     def refresh(self) -> None:
         """Look again at a file that is still being written, or that has got its final name since.
@@ -127,6 +146,12 @@ class Result:
         fresh = vars(open_result(path))
         vars(self).clear()
         vars(self).update(fresh)
+
+    def _sound(self, name: str, values: Any) -> Any:
+        try:
+            return intact.numbers(values, name)
+        except DamageError as error:
+            raise ResultError(f"{self.path}: damaged: {error}") from None
 
     def _dataset(self, name: str) -> Any:
         if name not in self._open:
@@ -173,6 +198,8 @@ def open_result(path: str | Path) -> Result:
         raise ResultError(f"{path}: is a directory") from None
     except OSError as error:
         raise ResultError(f"{path}: not a readable result file: {first_line(error)}") from None
+    except DAMAGE as error:
+        raise ResultError(f"{path}: not a readable result file: {str(error).partition(chr(10))[0]}") from None
     try:
         return _checked(file, path)
     except ResultError:
@@ -194,28 +221,63 @@ def _whole_frames(file: Any) -> int:
     return bisect.bisect_left(range(shortest), True, key=lambda index: bool(np.isnan(time[index])))
 
 
-def _plain(value: Any) -> Any:
-    """An attribute's text or number; None for what a run is yet to fill in."""
-    if isinstance(value, bytes):
-        return value.decode(errors="replace") or None
-    return None if isinstance(value, float) and np.isnan(value) else value
-
-
 def _checked(file: Any, path: Path) -> Result:
+    """The result in a file that is one, and that no reader trips over."""
     try:
-        version = int(file.attrs["taichiflap_format"])
+        version = intact.attribute(file, "taichiflap_format")
         if version > FORMAT:
             raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
-        result = Result(file, path)
-        # What a result cannot do without is read once, so that nobody stumbles over it later.
-        _ = result.case, result.status
+        case = parse_case(tomllib.loads(intact.attribute(file, "case")), str(path))
+    except ResultError:
+        raise
     except CaseError as error:
         raise ResultError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
-    except (KeyError, TypeError, ValueError, OSError, RuntimeError, IndexError) as error:
-        if isinstance(error, ResultError):
-            raise
+    except DAMAGE:
         raise ResultError(f"{path}: an HDF5 file, but not a result of taichiflap") from None
-    return result
+    try:
+        _check_contents(file, case)
+    except DamageError as error:
+        raise ResultError(f"{path}: damaged: {error}") from None
+    except DAMAGE as error:
+        raise ResultError(f"{path}: damaged: {str(error).partition(chr(10))[0]}") from None
+    return Result(file, path)
+
+
+def _check_contents(file: Any, case: Case) -> None:
+    """Everything that a reader may ask for is there, in the size that the case makes it."""
+    said = intact.attributes(file, ATTRIBUTES)
+    if not isinstance(said.get("solve_time", 0.0), float) or not isinstance(said.get("warnings", ""), str):
+        raise DamageError("a solve_time or warnings of another kind")
+    if intact.attribute(file, "status") not in STATUSES:
+        raise DamageError("no status")
+    frames, modes = case.steps // case.output.every + 1, case.wing.modes
+    (nodes,) = intact.array(file, "node", (None,), "f")
+    sizes = {"time": frames, "mode": modes, "node": nodes, "panel": nodes - 1, "component": 2}
+    intact.array(file, "time", (frames,), "f")
+    intact.array(file, "panel", (sizes["panel"],), "f")
+    intact.array(file, "component", (2,), "O", whole=False)
+    for name, variable in VARIABLES.items():
+        shape = tuple(sizes[axis] for axis in variable.dimensions)
+        if 0 not in shape and (name in REQUIRED or name in file):
+            intact.array(file, name, shape, "f")
+    if case.solver in ("uvlm", "dbet"):
+        intact.array(file, "pressure_jump", (frames, nodes - 1), "f")
+    if modes:
+        intact.array(file, "mode", (modes,), "i")
+        group = intact.group(file, "modes")
+        for name, variable in MODE_VARIABLES.items():
+            intact.array(group, name, tuple(sizes[axis] for axis in variable.dimensions), "f")
+            intact.numbers(group[name][...], name)
+    if "wake" in file:
+        group = intact.group(file, "wake")
+        intact.array(group, "count", (frames,), "i")
+        lengths = {intact.array(group, name, (None,), "if") for name in WAKE_VARIABLES}
+        if len(lengths) > 1:
+            raise DamageError("the wake has arrays of several lengths")
+    known = _whole_frames(file)
+    last = float(file["time"][known - 1]) if known else 0.0
+    if abs(last - case.step * case.output.every * max(known - 1, 0)) > 1e-6 * case.duration:
+        raise DamageError(f"frame {known - 1} has the time {last:g} s")
 
 
 def first_line(error: OSError) -> str:

@@ -159,7 +159,7 @@ def _check_same(sheet: Map, case: Case, planned: Design, metrics: list[str], ser
         "another --vary, --sample or --seed": sheet.design != planned,
         "other metrics": sheet.metrics != metrics,
         "another --keep": sheet.keeps_series != series,
-        f"taichiflap {sheet.file.attrs['source'].split()[-1]}": sheet.file.attrs["source"].split()[-1] != __version__,
+        f"taichiflap {sheet.version}": sheet.version != __version__,
     }
     found = [name for name, differs in differences.items() if differs]
     if found:
