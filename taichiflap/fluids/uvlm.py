@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import lattice, wake
+from .. import lattice, slip, wake
 from ..beam import Modes
-from ..body import AMPLITUDE, AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
+from ..body import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
 from ..case import Case
-from ..lattice import ACROSS, ALONG, EDGE_SLOPE, FACTOR, FORCE, between, circulation_at, deflect
+from ..lattice import ACROSS, ALONG, FACTOR, between, circulation_at
 from ..longwake import LongWakes
 from ..runtime import Floats2, Ints2, Ints3, Singles3, Singles4, View, ti
 from ..spacing import ACT, AHEAD, BEHIND, NODE
@@ -135,7 +135,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
             change_ahead = change
     if ti.static(used.suction):
         if flow.suction[b, FACTOR] > 0.0:
-            _, normal = suction_force(body, flow, b)
+            _, normal = slip.suction_force(body, flow, b)
             for j in range(modes):
                 body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
 
@@ -149,14 +149,6 @@ def acting_tangent(flow: View, b, i):
         along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.length[b, i]
         across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.length[b, i]
     return along, across
-
-
-@ti.func
-def suction_force(body: View, flow: View, b):
-    """The suction along e_y and e_z: it pulls the leading edge forward along its tangent."""
-    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
-    forward = flow.suction[b, FORCE] / ti.sqrt(1.0 + slope * slope)
-    return -forward, -forward * slope
 
 
 @ti.func
@@ -202,7 +194,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
     flow.total[b] = running
     if ti.static(used.suction):
         if flow.suction[b, FACTOR] > 0.0:
-            axial, normal = suction_force(body, flow, b)
+            axial, normal = slip.suction_force(body, flow, b)
             total_normal += normal
             total_axial += axial
             total_moment += flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
@@ -225,16 +217,16 @@ def prepare(batch: View, b, n, rule, used: View):
     lattice.assemble(batch.body, batch.flow, b, n)
     lattice.solve(batch.body, batch.flow, b)
     if batch.flow.whole[b] == 1:
-        lattice.slip_at_points(batch.body, batch.flow, b, n)
+        slip.past_points(batch.body, batch.flow, b, n)
     if ti.static(used.suction or used.loads_at_vortices):
         if batch.flow.whole[b] == 0 or batch.flow.suction[b, FACTOR] > 0.0:
-            lattice.expect_circulation(batch.body, batch.flow, batch.wake, b)
+            slip.expect_circulation(batch.body, batch.flow, batch.wake, b)
     if ti.static(used.loads_at_vortices):
         if batch.flow.whole[b] == 0:
-            lattice.slip_at_vortices(batch.body, batch.flow, batch.wake, b, n)
+            slip.past_vortices(batch.body, batch.flow, batch.wake, b, n)
     if ti.static(used.suction):
         if batch.flow.suction[b, FACTOR] > 0.0:
-            lattice.suck(batch.body, batch.flow, batch.wake, b, n)
+            slip.suck(batch.body, batch.flow, batch.wake, b, n)
     load_modes(batch.body, batch.flow, b, rule, used)
 
 
