@@ -24,6 +24,25 @@ def test_graded_wing():
     assert economy[1].argmax() == 2  # ... but is not the most economical
 
 
+def test_uvlm_choices():
+    study = runpy.run_path(str(EXAMPLES / "uvlm_choices.py"))
+    study["measure"].__globals__.update(BEATS=4, START=2)
+    paper, local, accurate = (
+        study["measure"](*settings)
+        for settings in (((), ()), ((), study["CHANGED"]['`shedding = "local"`']), (study["ACCURATE"], ()))
+    )
+    assert paper[1][0][0] == pytest.approx(7.1, rel=0.05)
+    assert local[1][0][0] < 0.9 * paper[1][0][0]
+    assert accurate[1][0][0] == pytest.approx(local[1][0][0], rel=0.1)
+    rows = {"changed": dict.fromkeys(study["CHANGED"], local)}
+    rows |= {name.lower(): dict.fromkeys(study[name], accurate) for name in ("RETURNED", "REFINED")}
+    checked = [(name, [0.01, 0.02, 0.03], 13.0, 13.1) for name in study["BALANCES"]]
+    page = study["markdown"](study["blocks"](paper=paper, checked=checked, **rows))
+    assert f"{paper[1][0][0]:.2f} ± {paper[1][0][1]:.2f}" in page
+    for settings in (*study["CHANGED"].values(), *study["RETURNED"].values(), *study["REFINED"].values()):
+        taichiflap.load_case(study["CASE"], settings)
+
+
 def test_design_map(tmp_path):
     study = runpy.run_path(str(EXAMPLES / "design_map.py"))
     short = ("time.periods=4", "uvlm.panels=12", "time.steps_per_period=80", "uvlm.wake=80")
