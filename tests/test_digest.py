@@ -1,0 +1,55 @@
+"""The bits of two short runs, kept as digests: a change of any of them is seen, wanted or not."""
+
+import hashlib
+import platform
+from pathlib import Path
+
+import pytest
+from conftest import hawkmoth
+
+import taichiflap
+
+SHORT = ("time.periods=2", "time.steps_per_period=100", "uvlm.panels=12", "wing.modes=2")
+CASES = {"uvlm": SHORT, "dbet": (*SHORT, "solver=dbet")}
+DIGESTS = {
+    ("GenuineIntel 6 avx512", "uvlm"): "4a8424930899f8c132795aeebd2a8945a5178a3fcc35b2a4de772d18911460a3",
+    ("GenuineIntel 6 avx512", "dbet"): "93df166de8505eaeeb914abac70b778d87b3432df069495b33a21999f8c433d7",
+}
+"""By processor and solver: on another family of processors the libraries round otherwise, and the test is skipped."""
+MOVED = """The bits of a {solver} run have changed on {processor}:
+{found}
+If a change of the physics, the arithmetic or its order was meant, say so in CHANGELOG.md, check that the numbers of
+tests/test_cases.py hold, and put the digest above into tests/test_digest.py. If not, look for the change that did it: git bisect run with this
+test. A new NumPy, SciPy or Taichi, or another
+compiler in it, may move the last bits as well."""
+
+
+def processor():
+    """The family of processors, whose arithmetic and libraries are one: vendor and family number."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.machine()
+    said = {name.strip(): value.strip() for name, _, value in (line.partition(":") for line in lines)}
+    wide = "avx512f" in said.get("flags", "").split()
+    return f"{said.get('vendor_id', platform.machine())} {said.get('cpu family', '')}{' avx512' if wide else ''}"
+
+
+def digest(case, threads):
+    with taichiflap.simulate(case, threads=threads) as result:
+        found = hashlib.sha256()
+        for name in ("q", "force_y", "force_z", "moment", "power"):
+            found.update(getattr(result, name).tobytes())
+    return found.hexdigest()
+
+
+@pytest.mark.parametrize("solver", CASES)
+def test_no_bit_has_moved(solver):
+    case = hawkmoth(*CASES[solver])
+    ours = digest(case, threads=1)
+    assert digest(case, threads=2) == ours, "one thread and two give other bits"
+    key = (processor(), solver)
+    found = f'    ("{key[0]}", "{solver}"): "{ours}",'
+    if key not in DIGESTS:
+        pytest.skip(f"no digest is kept for this processor; to keep one add to DIGESTS:\n{found}")
+    assert ours == DIGESTS[key], MOVED.format(solver=solver, processor=key[0], found=found)
