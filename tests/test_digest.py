@@ -19,9 +19,8 @@ DIGESTS = {
 MOVED = """The bits of a {solver} run have changed on {processor}:
 {found}
 If a change of the physics, the arithmetic or its order was meant, say so in CHANGELOG.md, check that the numbers of
-tests/test_cases.py hold, and put the digest above into tests/test_digest.py. If not, look for the change that did it: git bisect run with this
-test. A new NumPy, SciPy or Taichi, or another
-compiler in it, may move the last bits as well."""
+tests/test_cases.py hold, and put the digest above into tests/test_digest.py. If not, find the change that did it, for
+instance by git bisect with this test. A new NumPy, SciPy or Taichi may move the last bits as well."""
 
 
 def processor():
