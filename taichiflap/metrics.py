@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import motion
+from .beats import Beats, settled_beats
 from .case import Case
 from .motion import PITCH, PLUNGE
 from .results import Result
@@ -15,8 +17,6 @@ REPEATS_WITHIN = 0.01
 """A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
 FEWEST_BEATS = 3
 """Settled beats that it takes to say so."""
-BLUR = 1e-6
-"""Differences between beats below this share of the force's root mean square are none."""
 MOMENTS = 512
 """Times a beat at which the motion is looked at."""
 
@@ -31,9 +31,10 @@ class Statistic:
     spread: float
 
     @classmethod
-    def over(cls, values: list[float]) -> "Statistic":
+    def over(cls, values: Array) -> "Statistic":
         """Statistic of one value a beat."""
-        return cls(float(np.mean(values)), float(np.std(values)))
+        mean = float(values.sum()) / len(values)
+        return cls(mean, math.sqrt(float(((values - mean) ** 2).sum()) / len(values)))
 
 
 @dataclass(frozen=True)
@@ -89,26 +90,29 @@ class Summary:
     wake_crossings: int | None
 
 
-def summarise(result: Result) -> Summary | None:
-    """Summary of a run over its settled beats; None while it has no whole beat."""
+def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
+    """Summary of a run; None while it has no whole beat.
+
+    Args:
+        beats: what to take it over; its settled beats, if None.
+    """
     case = result.case
     time = result.time
-    beats = settled_beats(result)
+    beats = settled_beats(result) if beats is None else beats
     if not beats:
         return None
 
     def mean(values: Array) -> Statistic:
-        return Statistic.over([float(np.mean(values[beat])) for beat in beats])
+        return Statistic.over(beats.means(values))
 
     def peak(values: Array) -> Statistic:
-        return Statistic.over([float(np.max(np.abs(values[beat]))) for beat in beats])
+        return Statistic.over(beats.peaks(values))
 
     tip, normal, power = result.tip_deflection, result.force_normal, result.power
-    last = beats[-1]
-    peak_time = float(time[last][np.argmax(np.abs(tip[last]))]) / case.beat
+    peak_time = float(time[beats.last][np.argmax(np.abs(tip[beats.last]))]) / case.beat
     speed = math.hypot(*case.fluid.velocity)
     stream_y, stream_z = (component / speed if speed else 0.0 for component in case.fluid.velocity)
-    drift, spread = _unrest(_mean_forces(result, beats), _size(result, beats))
+    drift, spread = _unrest(beats.mean_forces(result), beats.force_size(result))
     return Summary(
         beats=len(beats),
         settled=len(beats) >= FEWEST_BEATS and max(drift, spread) <= REPEATS_WITHIN if case.periodic else None,
@@ -127,13 +131,13 @@ def summarise(result: Result) -> Summary | None:
         power_aerodynamic=mean(result.power_aerodynamic),
         power_inertial=mean(result.power_inertial),
         power_positive=mean(np.maximum(power, 0.0)),
-        wake_lost=_wake_lost(result, np.concatenate(beats)) if "wake_lost" in result.variables else None,
+        wake_lost=_wake_lost(result, beats.frames) if "wake_lost" in result.variables else None,
         wake_far_error=float(result.wake_far_error[-1]) if "wake_far_error" in result.variables else None,
         wake_crossings=int(result.wake_crossings[-1]) if "wake_crossings" in result.variables else None,
     )
 
 
-def _wake_lost(result: Result, frames: NDArray[np.intp]) -> float:
+def _wake_lost(result: Result, frames: slice) -> float:
     """Velocity that the wake left out, over the speed of the middle of the chord through the fluid."""
     stream_y, stream_z = result.case.fluid.velocity
     plunge_rate, pitch_rate = (np.gradient(values, result.time)[frames] for values in (result.plunge, result.pitch))
@@ -143,58 +147,25 @@ def _wake_lost(result: Result, frames: NDArray[np.intp]) -> float:
     return lost / speed if speed else 0.0
 
 
-def whole_beats(case: Case, time: Array) -> list[NDArray[np.intp]]:
-    """Indices of the frames of each whole beat: those after its start, up to and with its end."""
-    turns = np.round(time / case.beat, 9)
-    numbers = np.ceil(turns).astype(int)
-    found = (np.flatnonzero(numbers == n + 1) for n in range(int(turns[-1]) if len(turns) else 0))
-    return [frames for frames in found if len(frames)]
-
-
-def settled_beats(result: Result) -> list[NDArray[np.intp]]:
-    """The beats left when those that the start disturbs are dropped: indices of the frames of each.
-
-    So many are dropped, up to half, that the standard error of the mean force of the others is least: the marginal
-    standard error rule (White, Simulation 69, 1997), which weighs the bias of the start against the loss of samples.
-    """
-    beats = whole_beats(result.case, result.time)
-    if len(beats) < 2:
-        return beats
-    forces, blur = _mean_forces(result, beats), BLUR * _size(result, beats)
-    errors = []
-    for dropped in range(len(beats) // 2 + 1):
-        kept = forces[dropped:]
-        scatter = float(np.sum((kept - kept.mean(axis=0)) ** 2))
-        errors.append((scatter + len(kept) * blur**2) / len(kept) ** 2)
-    return beats[int(np.argmin(errors)) :]
-
-
-def _mean_forces(result: Result, beats: list[NDArray[np.intp]]) -> Array:
-    """Mean force vector of each beat, N, shape (beats, 2)."""
-    force = np.stack((result.force_y, result.force_z), axis=1)
-    return np.array([force[beat].mean(axis=0) for beat in beats])
-
-
-def _size(result: Result, beats: list[NDArray[np.intp]]) -> float:
-    """Root mean square of the force over the later half of some beats, N."""
-    frames = np.concatenate(beats[len(beats) // 2 :])
-    return math.sqrt(np.mean(result.force_y[frames] ** 2 + result.force_z[frames] ** 2))
-
-
 def _unrest(forces: Array, size: float) -> tuple[float, float]:
     """Drift and spread of the mean forces of beats, as shares of `size`."""
-    count = len(forces)
+    count = forces.shape[1]
     if count < 2 or not size:
         return 0.0, 0.0
-    slope = np.polyfit(np.arange(count), forces, 1)[0]
-    spread = math.sqrt(np.sum(np.var(forces, axis=0)))
+    place = np.arange(count) - 0.5 * (count - 1)
+    slope = (forces * place).sum(axis=1) / (place**2).sum()
+    spread = math.sqrt(np.sum(np.var(forces, axis=1)))
     return float(np.hypot(*slope)) * (count - 1) / size, spread / size
 
 
-def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
-    """Complex amplitude `a` of a harmonic over whole beats: `values` holds `Re(a exp(2 pi i order f t))`."""
+def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> Any:
+    """Complex amplitude `a` of a harmonic over whole beats: `values` holds `Re(a exp(2 pi i order f t))`.
+
+    Args:
+        values: at `time`, along the last axis; the others are those of the amplitudes.
+    """
     turn = np.exp(-2j * math.pi * order / case.beat * time)
-    return complex(2.0 * np.mean(values * turn))
+    return 2.0 * np.mean(values * turn, axis=-1)
 
 
 def reversals(case: Case, first: float, last: float) -> Array:
@@ -209,9 +180,9 @@ def after_reversal(case: Case, beats: float) -> float | None:
     return max(0.0, beats - float(found[-1])) if len(found) else None
 
 
-def _phase(case: Case, time: Array, values: Array, beats: list[NDArray[np.intp]]) -> float | None:
-    frames = np.concatenate(beats)
-    moments = case.beat * (round(float(time[frames[-1]]) / case.beat) - np.arange(MOMENTS) / MOMENTS)
+def _phase(case: Case, time: Array, values: Array, beats: Beats) -> float | None:
+    frames = beats.frames
+    moments = case.beat * (round(float(time[frames][-1]) / case.beat) - np.arange(MOMENTS) / MOMENTS)
     moved = motion.sample(case.motion, moments)
     for axis in (PLUNGE, PITCH):
         driver = harmonic(case, moments, moved[:, axis])

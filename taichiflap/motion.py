@@ -4,7 +4,7 @@ Table 2 of Reade & Jankauski (2020) and other kinds. A motion is sampled once, a
 """
 
 import math
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,9 @@ PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL = range(6)
 
 NOISE = 1e-9
 """Plunge velocities below this share of the largest are round-off, not motion."""
-HALVINGS = 60
+ROUND_OFF = 1e-14
+"""A reversal is found when it moves by no more than this share of its time."""
+ROUNDS = 60
 
 Array = NDArray[np.float64]
 
@@ -44,13 +46,29 @@ def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
     moving = np.flatnonzero(np.abs(rate) > NOISE * np.abs(rate).max())
     times, forth = times[moving], rate[moving] > 0.0
     turns = np.flatnonzero(forth[1:] != forth[:-1])
-    early, late, forth = times[turns], times[turns + 1], forth[turns]
-    for _ in range(HALVINGS):
-        middle = 0.5 * (early + late)
-        before = (_sample_axis(motion, motion.plunge, middle)[:, PLUNGE_RATE] > 0.0) == forth
-        early, late = np.where(before, middle, early), np.where(before, late, middle)
-    found = 0.5 * (early + late)
+    found = _turns(motion, times[turns], times[turns + 1], forth[turns])
     return found[(found > first - NOISE * step) & (found < last + NOISE * step)]
+
+
+def _turns(motion: Motion, early: Any, late: Any, forth: NDArray[np.bool_]) -> Any:
+    """The zero of the plunge velocity between each `early` and `late`; `forth`: it is positive before.
+
+    Newton's steps on the exact acceleration, with a halving wherever one leaves the bracket or is not half the last.
+    """
+    times, moved = 0.5 * (early + late), late - early
+    resolved = ROUND_OFF * np.maximum(np.abs(late), moved)
+    for _ in range(ROUNDS):
+        _, rate, accel = _sample_axis(motion, motion.plunge, times).T
+        before = (rate > 0.0) == forth
+        early, late = np.where(before, times, early), np.where(before, late, times)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = times - rate / accel
+        trusted = (newton >= early) & (newton <= late) & (2.0 * np.abs(newton - times) <= moved)
+        found = np.where(trusted, newton, 0.5 * (early + late))
+        times, moved = found, np.maximum(np.abs(found - times), resolved)
+        if np.all(moved <= resolved):
+            break
+    return times
 
 
 def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> float:

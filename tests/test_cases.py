@@ -6,7 +6,7 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer.frames import Run
 
 import taichiflap
-from taichiflap import metrics, theory
+from taichiflap import beats, metrics, theory
 from taichiflap.case import parse_case
 from taichiflap.sections.uvlm import Uvlm
 
@@ -47,7 +47,7 @@ def test_case(name):
 
 def test_the_plunging_foils_lift_is_theodorsens():
     result = simulated("plunging_foil")
-    frames = np.concatenate(metrics.settled_beats(result))
+    frames = beats.settled_beats(result).frames
     lift = metrics.harmonic(result.case, result.time[frames], result.force_z[frames])
     lift /= 0.5 * 998.0 * 0.2**2 * 0.1 * 0.4
     exact, _ = theory.oscillating_loads(0.393, plunge=0.5)

@@ -8,6 +8,7 @@ from conftest import hawkmoth
 
 import taichiflap
 from taichiflap import metrics, report
+from taichiflap.beats import settled_beats
 from taichiflap.case import parse_case
 
 
@@ -51,7 +52,7 @@ def test_beats_that_the_start_disturbs_are_dropped_and_no_others(disturbed, rng)
         return 1.0 + noise[n.astype(int)] + np.where((n <= disturbed) & (n > 0), 0.5 ** np.maximum(n, 1.0), 0.0)
 
     result = synthetic(case, force_z=force)
-    beats = metrics.settled_beats(result)
+    beats = settled_beats(result)
     assert 0 <= 14 - len(beats) - disturbed <= 2
     summary = metrics.summarise(result)
     assert summary.settled

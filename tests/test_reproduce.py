@@ -11,7 +11,8 @@ from conftest import CASES
 from test_cli import run
 
 import taichiflap
-from taichiflap.metrics import harmonic, settled_beats
+from taichiflap.beats import settled_beats
+from taichiflap.metrics import harmonic
 from taichiflap.outputs import OutputError
 from taichiflap.studies import literal, page, paper, plan, reproduce, rigid_lattice
 from taichiflap.studies.paper import Settings
@@ -119,7 +120,7 @@ def test_the_blades_of_post_processing_are_the_solvers():
     settings = replace(QUICK, periods=2)
     for more in ((), (RIGID,)):
         with taichiflap.simulate(paper.case(settings, "dbet", *more)) as result:
-            frames = np.concatenate(settled_beats(result))
+            frames = settled_beats(result).frames
             ours = literal.blades(result)
             theirs = (result.force_normal - result.force_normal_unsteady)[frames]
             axial = result.force_axial[frames]
@@ -147,14 +148,14 @@ def test_quarter_panels_of_post_processing_undo_what_the_solver_counts():
     with taichiflap.simulate(case) as result:
         printed, meant = literal.whole_panels(result)
         own = np.array([result.frame("panel_circulation", n) for n in range(result.frames)], dtype=float)
-        frames, size = np.concatenate(settled_beats(result)), case.wing.chord / 10
+        frames, size = settled_beats(result).frames, case.wing.chord / 10
         time = result.time
 
         def unsteady(share):
             sums = np.sum(np.cumsum(own, axis=1) - (1 - share) * own, axis=1)
             growth = (1.5 * sums[2:] - 2 * sums[1:-1] + 0.5 * sums[:-2]) / case.step
             force = -case.fluid.density * case.wing.span * size * growth
-            return harmonic(case, time[frames], force[frames - 2])
+            return harmonic(case, time[frames], force[frames.start - 2 : frames.stop - 2])
 
         theirs = harmonic(case, result.time[frames], result.force_normal_unsteady[frames])
     assert unsteady(1.0) == pytest.approx(theirs, rel=1e-4)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import beam
-from ..metrics import whole_beats
+from ..beats import whole_beats
 from ..run import simulate
 from . import literal, paper, rigid_lattice
 from .measured import Measured
@@ -144,9 +144,10 @@ def _wake_errata(settings: Settings, runs: Runs) -> list[Erratum]:
     right = runs[key("uvlm", RIGID)].summary
 
     def effect(flight: rigid_lattice.Flight) -> str:
-        beats = whole_beats(case, flight.time)[-right.beats :]
-        mean = 1e3 * np.mean(flight.vertical[np.concatenate(beats)])
-        peak = 1e3 * np.mean([np.abs(flight.normal[beat]).max() for beat in beats])
+        beats = whole_beats(case, flight.time)
+        beats = beats.after(len(beats) - right.beats)
+        mean = 1e3 * np.mean(flight.vertical[beats.frames])
+        peak = 1e3 * np.mean(beats.peaks(flight.normal))
         return (
             f"rigid wing: mean force {mean:.2f} for {1e3 * right.force_vertical.mean:.2f} mN, largest normal force "
             f"{peak:.0f} for {1e3 * right.force_normal_peak.mean:.0f} mN"

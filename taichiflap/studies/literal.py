@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import beam, motion
+from ..beats import settled_beats
 from ..case import Case
 from ..fluids import dbet
-from ..metrics import harmonic, settled_beats
+from ..metrics import harmonic
 from ..motion import PITCH, PITCH_RATE, PLUNGE_RATE
 from ..profile import Profile
 from ..results import Result
@@ -47,7 +48,7 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
         cosines: the axial force with the two cosines that Eq. 23 prints.
         outside: the coefficients of Eqs 21-22, and the angle of Eqs 23-24, at the middle of the chord for all elements.
     """
-    case, frames = result.case, np.concatenate(settled_beats(result))
+    case, frames = result.case, settled_beats(result).frames
     across, along = _velocities(case, result, frames)
     angle = np.arctan(across / along) if arctangent else np.arctan2(across, along)
     if outside:
@@ -64,7 +65,7 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
     return Blades(-normal.sum(axis=1), -axial.sum(axis=1), result.pitch[frames], backward)
 
 
-def _velocities(case: Case, result: Result, frames: NDArray[np.intp]) -> tuple[Array, Array]:
+def _velocities(case: Case, result: Result, frames: slice) -> tuple[Array, Array]:
     """`u_z` and `u_y` (Eq. 6) of every element at its middle, m/s, shape (frames, elements)."""
     y = dbet.middles(case)
     moved = motion.sample(case.motion, result.time[frames])[:, :, None]
@@ -83,7 +84,7 @@ def whole_panels(result: Result) -> tuple[complex, complex]:
     The potential jumps by a panel's circulation at its vortex, at a quarter, so that three quarters of the panel
     carry it; the running sum gives it to the whole panel.
     """
-    case, frames = result.case, np.concatenate(settled_beats(result))
+    case, frames = result.case, settled_beats(result).frames
     size, dt = case.wing.chord / case.uvlm.panels, case.step
     own = np.sum([result.frame("panel_circulation", int(n)) for n in range(result.frames)], axis=1, dtype=float)
     growth = np.zeros_like(own)

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import fluids
+from ..beats import settled_beats
 from ..case import Case
 from ..errors import UserError
-from ..metrics import Summary, harmonic, settled_beats, summarise
+from ..metrics import Summary, harmonic, summarise
 from ..results import Result
 from ..run import simulate
 
@@ -90,14 +91,14 @@ def measure(result: Result) -> Measured:
     if result.status != "complete" or summary is None:
         raise StudyError(f"{case.title}: {result.attributes.get('reason', 'no whole beat to measure')}")
     beats = settled_beats(result)
-    frames, last = np.concatenate(beats), beats[-1]
+    frames, last = beats.frames, beats.last
     series = {name: getattr(result, name) for name in SERIES}
     turns = result.time / case.beat
     return Measured(
         case=case,
         summary=summary,
         solve_time=float(result.attributes["solve_time"]),
-        time=turns[last] - round(turns[last[-1]]) + 1.0,
+        time=turns[last] - round(turns[last][-1]) + 1.0,
         beat={name: values[last] for name, values in series.items()},
         first={name: harmonic(case, result.time[frames], values[frames]) for name, values in series.items()},
         third={name: harmonic(case, result.time[frames], values[frames], 3) for name, values in series.items()},

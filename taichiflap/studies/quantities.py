@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..beats import Beats, settled_beats
 from ..errors import UserError
-from ..metrics import Statistic, Summary, harmonic, settled_beats, summarise
+from ..metrics import Statistic, Summary, harmonic, summarise
 from ..variables import VARIABLES, Variable
 
 ORDERS = (1, 2, 3)
@@ -104,11 +105,12 @@ def measure(run: Any, names: Sequence[str]) -> dict[str, float]:
         names: metrics, as `choose` gives them.
     """
     found = dict.fromkeys(names, float("nan"))
-    summary = summarise(run)
+    beats = settled_beats(run)
+    summary = summarise(run, beats)
     if summary is None:
         return found
     values = _flattened(summary)
-    values |= _further(run, names)
+    values |= _further(run, beats, names)
     lift = values["force_vertical_mean"]
     for name, power in (("lift_per_power", "power_mean"), ("lift_per_positive_power", "power_positive_mean")):
         if values[power]:
@@ -126,20 +128,18 @@ def _flattened(summary: Summary) -> dict[str, float]:
     return values
 
 
-def _further(run: Any, names: Sequence[str]) -> dict[str, float]:
-    wanted = {name for name in (*ALSO_MEANS, *WITH_HARMONICS) if any(one.startswith(name) for one in names)}
-    beats = settled_beats(run)
-    frames = np.concatenate(beats)
+def _further(run: Any, beats: Beats, names: Sequence[str]) -> dict[str, float]:
     values: dict[str, float] = {}
     for name in ALSO_MEANS:
-        if name in wanted:
-            series = getattr(run, name)
-            each = Statistic.over([float(np.mean(series[beat])) for beat in beats])
+        if any(one.startswith(name) for one in names):
+            each = Statistic.over(beats.means(getattr(run, name)))
             values |= {f"{name}_mean": each.mean, f"{name}_spread": each.spread}
-    for name in WITH_HARMONICS:
-        wanted_too = run.case.periodic and any(one.startswith(f"{name}_harmonic") for one in names)
-        for n in ORDERS if wanted_too else ():
-            amplitude = harmonic(run.case, run.time[frames], getattr(run, name)[frames], n)
-            values[f"{name}_harmonic_{n}"] = abs(amplitude)
-            values[f"{name}_harmonic_{n}_phase"] = float(np.angle(amplitude, deg=True))
+    waving = [name for name in WITH_HARMONICS if any(one.startswith(f"{name}_harmonic") for one in names)]
+    if waving and run.case.periodic:
+        series = np.stack([getattr(run, name)[beats.frames] for name in waving])
+        for n in ORDERS:
+            amplitudes = harmonic(run.case, run.time[beats.frames], series, n)
+            for name, amplitude in zip(waving, amplitudes, strict=True):
+                values[f"{name}_harmonic_{n}"] = float(abs(amplitude))
+                values[f"{name}_harmonic_{n}_phase"] = float(np.angle(amplitude, deg=True))
     return values
