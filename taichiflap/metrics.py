@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,14 +157,26 @@ def _unrest(forces: Array, size: float) -> tuple[float, float]:
     return float(np.hypot(*slope)) * (count - 1) / size, spread / size
 
 
-def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> Any:
-    """Complex amplitude `a` of a harmonic over whole beats: `values` holds `Re(a exp(2 pi i order f t))`.
+def harmonics(case: Case, time: Array, values: Array, count: int) -> NDArray[np.complex128]:
+    """Complex amplitudes `a_n`, n = 1 ... count, over whole beats: `values` holds `Re(a_n exp(2 pi i n f t))`.
 
     Args:
-        values: at `time`, along the last axis; the others are those of the amplitudes.
+        values: at `time`, along the last axis.
+
+    Returns:
+        Shape (count, ...), as the other axes of `values`.
     """
-    turn = np.exp(-2j * math.pi * order / case.beat * time)
-    return 2.0 * np.mean(values * turn, axis=-1)
+    turn = np.exp(-2j * math.pi / case.beat * time)
+    found, power = [], turn
+    for _ in range(count):
+        found.append(2.0 * np.mean(values * power, axis=-1))
+        power = power * turn
+    return np.array(found)
+
+
+def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
+    """Complex amplitude of one harmonic of a series; see `harmonics`."""
+    return complex(harmonics(case, time, values, order)[-1])
 
 
 def reversals(case: Case, first: float, last: float) -> Array:

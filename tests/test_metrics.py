@@ -8,7 +8,7 @@ from conftest import hawkmoth
 
 import taichiflap
 from taichiflap import metrics, report
-from taichiflap.beats import settled_beats
+from taichiflap.beats import settled_beats, whole_beats
 from taichiflap.case import parse_case
 
 
@@ -189,3 +189,25 @@ def test_lift_and_thrust_turn_with_the_stream(angle):
 def test_without_a_stream_there_is_no_lift_across_it():
     summary = metrics.summarise(synthetic(hawkmoth("time.periods=4"), force_z=np.ones_like))
     assert summary.lift is summary.thrust is None
+
+
+@pytest.mark.parametrize("every", [1, 3, 7, 130])
+def test_beats_are_the_frames_after_their_start_up_to_their_end(every, rng):
+    case = hawkmoth("time.periods=6", f"output.every={every}")
+    time = case.step * np.arange(0, case.steps + 1, every)
+    numbers = np.ceil(np.round(time / case.beat, 9))
+    found = [numbers == n for n in range(1, int(np.round(time[-1] / case.beat, 9)) + 1) if np.any(numbers == n)]
+    beats, values = whole_beats(case, time), rng.standard_normal((2, len(time)))
+    assert len(beats) == len(found)
+    np.testing.assert_allclose(beats.means(values), np.transpose([values[:, beat].mean(axis=1) for beat in found]))
+    np.testing.assert_array_equal(beats.peaks(values[0]), [np.abs(values[0, beat]).max() for beat in found])
+    np.testing.assert_array_equal(time[beats.last], time[found[-1]])
+    np.testing.assert_array_equal(time[beats.after(1).frames], time[np.any(found[1:], axis=0)])
+
+
+@pytest.mark.parametrize("sharpness", [0.1, 3.0, 10.0, 30.0])
+def test_reversals_of_ever_squarer_strokes_are_found_to_round_off(sharpness):
+    plunge = f"{{kind='trapezoid', sharpness={sharpness}, amplitude=0.02, phase_deg=17.0}}"
+    case = hawkmoth(f"motion.plunge={plunge}", "motion.start_up_periods=0.5")
+    found = metrics.reversals(case, 1.0, 3.0)
+    np.testing.assert_allclose(found, (0.25 - 17.0 / 360.0) + 0.5 * np.arange(2, 6), atol=1e-12)

@@ -14,10 +14,11 @@ import numpy as np
 
 from ..beats import Beats, settled_beats
 from ..errors import UserError
-from ..metrics import Statistic, Summary, harmonic, summarise
+from ..metrics import Statistic, Summary, harmonics, summarise
 from ..variables import VARIABLES, Variable
 
-ORDERS = (1, 2, 3)
+ORDERS = 3
+"""Harmonics that are measured."""
 WITH_HARMONICS = ("force_normal", "force_vertical", "tip_deflection")
 ALSO_MEANS = ("force_normal", "force_axial", "force_y", "force_z", "moment", "tip_deflection")
 """Variables whose cycle mean the summary does not hold."""
@@ -44,7 +45,9 @@ def _of_summary() -> Iterable[str]:
 
 def _beyond_summary() -> Iterable[str]:
     yield from (f"{name}_{part}" for name in ALSO_MEANS for part in ("mean", "spread"))
-    yield from (f"{name}_harmonic_{n}{part}" for name in WITH_HARMONICS for n in ORDERS for part in ("", "_phase"))
+    yield from (
+        f"{name}_harmonic_{n}{part}" for name in WITH_HARMONICS for n in range(1, ORDERS + 1) for part in ("", "_phase")
+    )
     yield from ("lift_per_power", "lift_per_positive_power")
 
 
@@ -137,9 +140,8 @@ def _further(run: Any, beats: Beats, names: Sequence[str]) -> dict[str, float]:
     waving = [name for name in WITH_HARMONICS if any(one.startswith(f"{name}_harmonic") for one in names)]
     if waving and run.case.periodic:
         series = np.stack([getattr(run, name)[beats.frames] for name in waving])
-        for n in ORDERS:
-            amplitudes = harmonic(run.case, run.time[beats.frames], series, n)
-            for name, amplitude in zip(waving, amplitudes, strict=True):
-                values[f"{name}_harmonic_{n}"] = float(abs(amplitude))
-                values[f"{name}_harmonic_{n}_phase"] = float(np.angle(amplitude, deg=True))
+        found = harmonics(run.case, run.time[beats.frames], series, ORDERS)
+        for (n, k), amplitude in np.ndenumerate(found):
+            values[f"{waving[k]}_harmonic_{n + 1}"] = float(abs(amplitude))
+            values[f"{waving[k]}_harmonic_{n + 1}_phase"] = float(np.angle(amplitude, deg=True))
     return values
