@@ -94,7 +94,7 @@ def simulate(
 
 @app.command()
 def view(
-    files: Annotated[list[Path], typer.Argument(help="a result file, or two to compare", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(help="a result file, two to compare, or a map", show_default=False)],
     host: Annotated[
         str, typer.Option(help="address to listen at; this machine only, unless told otherwise")
     ] = "127.0.0.1",
@@ -103,7 +103,7 @@ def view(
     ] = 8080,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open a browser")] = True,
 ) -> None:
-    """Show a result in the browser, even while it is being computed."""
+    """Show a result or a map in the browser, even while it is being computed."""
     from taichiflap_viewer import view as show
 
     show(files, host=host, port=port, browser=browser)

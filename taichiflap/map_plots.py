@@ -11,34 +11,15 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from . import outputs, palette
 from .design import Axis
+from .map_names import LIFT, METRICS, POWER, factor_of, is_log, label, named, short
 from .maps import Map, MapError
 from .plots import FORMATS, RESOLUTION, STYLE, WIDTH
 
 if TYPE_CHECKING:
     from .studies.converge import Convergence
 
-METRICS = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
-"""Metrics that are drawn, where a map has them."""
-LIFT, POWER = "force_vertical_mean", "power_mean"
 CONTOURS = 8
 LINES_AT_MOST = 7
-SCALES = {
-    "N": (1e3, "mN"),
-    "W": (1e3, "mW"),
-    "m": (1e3, "mm"),
-    "N W-1": (1.0, "N/W"),
-    "Pa": (1e-9, "GPa"),
-    "1": (1.0, ""),
-}
-"""What a unit is drawn in: factor and name."""
-LABELS = {
-    "force_vertical_mean": "Mean vertical force",
-    "power_mean": "Mean power",
-    "lift_per_power": "Lift per power",
-    "tip_peak_mean": "Peak tip deflection",
-    "wing.youngs_modulus": "Young's modulus",
-    "motion.pitch.amplitude_deg": "Pitch amplitude",
-}
 MARKS = ("o", "^", "s", "D", "v", "P")
 
 
@@ -84,7 +65,7 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
             for colour, mark, name in zip(_colours(len(names)), MARKS * len(names), names, strict=False):
                 series = np.array([trial.metrics[name] for trial in trials])
                 deviation = 100.0 * (series / (series[-1] or 1.0) - 1.0)
-                ax.plot(values, deviation, mark + "-", color=colour, markersize=3.5, linewidth=1, label=_label(name))
+                ax.plot(values, deviation, mark + "-", color=colour, markersize=3.5, linewidth=1, label=label(name))
             if key != "wing.modes":
                 ax.set_xscale("log", base=2)
             ax.set_xticks(values, [str(value) for value in values], rotation=45 if len(values) > 4 else 0)
@@ -108,7 +89,7 @@ def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
     figure = Figure((WIDTH, 0.4 + 1.9 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(columns), sharex=True, sharey=True, squeeze=False)
     for row, name in zip(grid, metrics, strict=True):
-        factor = _factor(sheet, name)
+        factor = factor_of(sheet, name)
         fields = [factor * _slice(sheet.values(name), place, down, across) for _, place in columns]
         finite = np.concatenate([field[np.isfinite(field)] for field in fields])
         low, high = (finite.min(), finite.max()) if finite.size else (0.0, 1.0)
@@ -122,11 +103,11 @@ def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
             if ax in grid[0]:
                 ax.set_title(title, fontsize=8)
             if ax in grid[-1]:
-                ax.set_xlabel(_named(x.key, sheet))
+                ax.set_xlabel(named(x.key, sheet))
             if ax is row[0]:
-                ax.set_ylabel(_named(y.key, sheet))
+                ax.set_ylabel(named(y.key, sheet))
         bar = figure.colorbar(mesh, ax=row, pad=0.01, aspect=15)
-        bar.set_label(_named(name, sheet))
+        bar.set_label(named(name, sheet))
     return figure
 
 
@@ -138,14 +119,14 @@ def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
     figure = Figure((WIDTH, 4.2), layout="constrained")
     grid = figure.subplots(2, 2, sharex=True).ravel()
     for ax, name in zip(grid, metrics, strict=False):
-        factor = _factor(sheet, name)
+        factor = factor_of(sheet, name)
         for colour, mark, (title, place) in zip(_colours(len(columns)), MARKS * len(columns), columns, strict=False):
             values = factor * sheet.values(name)[tuple(slice(None) if i == along else p for i, p in enumerate(place))]
             ax.plot(x, values, mark + "-", color=colour, markersize=3, linewidth=1, label=title or None)
         _scale_axes(ax, axis)
-        ax.set_ylabel(_named(name, sheet))
+        ax.set_ylabel(named(name, sheet))
     for ax in grid[2:]:
-        ax.set_xlabel(_named(axis.key, sheet))
+        ax.set_xlabel(named(axis.key, sheet))
     if len(columns) > 1:
         grid[0].legend()
     return figure
@@ -157,13 +138,13 @@ def scatter(sheet: Map, metrics: Sequence[str]) -> Figure:
     figure = Figure((WIDTH, 0.4 + 1.6 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(keys), sharex="col", sharey="row", squeeze=False)
     for row, name in zip(grid, metrics, strict=True):
-        factor = _factor(sheet, name)
+        factor = factor_of(sheet, name)
         for ax, axis in zip(row, keys, strict=True):
             ax.plot(_scaled(axis, sheet), factor * sheet.values(name), "o", color=palette.LINES[0], markersize=2)
             if ax in grid[-1]:
-                ax.set_xlabel(_named(axis.key, sheet))
+                ax.set_xlabel(named(axis.key, sheet))
             _scale_axes(ax, axis)
-        row[0].set_ylabel(_named(name, sheet))
+        row[0].set_ylabel(named(name, sheet))
     return figure
 
 
@@ -219,7 +200,7 @@ def _columns(sheet: Map, spanned: set[int]) -> list[tuple[str, tuple[int, ...]]]
         places = np.unravel_index(number, shape) if rest else ()
         place = dict(zip(rest, map(int, places), strict=True))
         named = [(sheet.design.axes[i].key, sheet.design.axes[i].values[p]) for i, p in place.items()]
-        title = ", ".join(f"{key} = {_short(value)}" for key, value in named)
+        title = ", ".join(f"{key} = {short(value)}" for key, value in named)
         found.append((title, tuple(place.get(i, 0) for i in range(len(sheet.design.axes)))))
     return found
 
@@ -238,16 +219,7 @@ def _groups(sheet: Map, position: int) -> dict[str, np.ndarray]:
 
 
 def _scaled(axis: Axis, sheet: Map) -> np.ndarray:
-    return _factor(sheet, axis.key) * np.array(axis.values, dtype=float)
-
-
-def _is_log(axis: Axis) -> bool:
-    """Whether values are better drawn by their logarithm: evenly spaced in it, or over more than a decade."""
-    values = np.sort(np.array(axis.values, dtype=float))
-    if values[0] <= 0:
-        return False
-    steps = np.diff(np.log(values))
-    return values[-1] > 10 * values[0] or bool(len(steps) > 1 and np.ptp(steps) < 1e-6 * steps.max())
+    return factor_of(sheet, axis.key) * np.array(axis.values, dtype=float)
 
 
 def _middles(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
@@ -258,38 +230,20 @@ def _edges(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
     """Borders of the cells around the values, half-way in whichever scale is drawn."""
     edges = []
     for axis in (x, y):
-        values = np.log(_scaled(axis, sheet)) if _is_log(axis) else _scaled(axis, sheet)
+        values = np.log(_scaled(axis, sheet)) if is_log(axis) else _scaled(axis, sheet)
         middle = 0.5 * (values[1:] + values[:-1])
         bounds = np.r_[values[0] - (middle[0] - values[0]), middle, values[-1] + (values[-1] - middle[-1])]
-        edges.append(np.exp(bounds) if _is_log(axis) else bounds)
+        edges.append(np.exp(bounds) if is_log(axis) else bounds)
     return edges[0], edges[1]
 
 
 def _scale_axes(ax: Any, x: Axis, y: Axis | None = None) -> None:
     for axis, scale, drawn in ((x, ax.set_xscale, ax.xaxis), (y, ax.set_yscale, ax.yaxis)):
-        if axis is not None and _is_log(axis):
+        if axis is not None and is_log(axis):
             scale("log")
             drawn.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             drawn.set_major_formatter(lambda value, _: f"{value:g}")
             drawn.set_minor_formatter(NullFormatter())
-
-
-def _named(name: str, sheet: Map) -> str:
-    units = sheet.units(name)
-    unit = SCALES.get(units, (1.0, units))[1]
-    return f"{_label(name)} ({unit})" if unit else _label(name)
-
-
-def _factor(sheet: Map, name: str) -> float:
-    return SCALES.get(sheet.units(name), (1.0, ""))[0]
-
-
-def _label(name: str) -> str:
-    return LABELS.get(name, name if "." in name else name.replace("_", " "))
-
-
-def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _colours(count: int) -> list[Any]:

@@ -19,7 +19,9 @@ import pytest
 from conftest import CASES, hawkmoth
 from matplotlib.image import imread
 from taichiflap_viewer import Viewer
-from taichiflap_viewer.colours import DARK, LIGHT, linear, rgb
+from taichiflap_viewer.colours import DARK, LIGHT, METRIC, linear, rgb
+from taichiflap_viewer.map import MapViewer
+from taichiflap_viewer.map_session import HEIGHT, WIDTH
 from test_cli import frames_in
 
 import taichiflap
@@ -74,7 +76,7 @@ def look(browser):
     errors = []
     contexts = []
 
-    def open_page(address, context=None, **options):
+    def open_page(address, context=None, node="/wing", text="Reset view", **options):
         if context is None:
             context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
             contexts.append(context)
@@ -82,8 +84,8 @@ def look(browser):
         page.set_default_timeout(1e3 * SECONDS)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.goto(f"{address}/?fixedDpr=1")
-        page.wait_for_function(f"() => {NODE.format('/wing')}")
-        page.get_by_text("Reset view", exact=True).wait_for()
+        page.wait_for_function(f"() => {NODE.format(node)}")
+        page.get_by_text(text, exact=True).wait_for()
         return page
 
     yield open_page
@@ -358,6 +360,48 @@ def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
             os.killpg(running.pid, signal.SIGCONT)
             os.killpg(running.pid, signal.SIGINT)
         assert running.wait(30.0) == 0
+
+
+def test_a_click_on_a_map_computes_its_case_and_shows_it(tmp_path, look):
+    case = hawkmoth("solver=dbet", "time.periods=2", "time.steps_per_period=40", "dbet.elements=8")
+    vary = {"wing.youngs_modulus": [10e9, 20e9, 40e9], "motion.pitch.amplitude_deg": [10.0, 20.0, 30.0, 40.0]}
+    found = taichiflap.sweep(case, vary, tmp_path / "map.h5", metrics=["force_vertical_mean", "power_mean"])
+    viewer = MapViewer(tmp_path / "map.h5", port=18080)
+    try:
+        page = look(viewer.address, node="/map/cells", text="Across")
+        legend = page.locator("[data-legend]")
+        lift = 1e3 * found.force_vertical_mean.values
+        for number in (lift.min(), lift.max()):
+            assert f"{number:.3g}" in legend.inner_text()
+        assert "Mean vertical force, mN" in legend.inner_text()
+        for metric, of in ((lift.min(), 0), (lift.max(), -1)):
+            assert np.count_nonzero(lift == metric) == 1
+            wait_until(page, lambda of=of: pixels_of(page, METRIC.table[of]) > 4)
+        page.get_by_label("Dark", exact=True).click()
+        page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+        session = viewer.sessions[0]
+        # The third of four columns, the lowest of three rows.
+        seen, canvas = session.client.camera, page.locator("canvas").first.bounding_box()
+        scale = canvas["height"] / (2 * np.tan(seen.fov / 2) * -seen.position[1])
+        x, z = 2.5 / 4 * WIDTH - seen.look_at[0], 0.5 / 3 * HEIGHT - seen.look_at[2]
+        middle = canvas["x"] + canvas["width"] / 2, canvas["y"] + canvas["height"] / 2
+        page.mouse.click(middle[0] + scale * x, middle[1] - scale * z)
+        page.wait_for_function(f"() => {NODE.format('/wing')}")
+        page.get_by_text("motion.pitch.amplitude_deg=30.0").wait_for()
+        shown = session._case.run
+        assert (shown.case.wing.youngs_modulus, shown.case.motion.pitch.amplitude_deg) == (10e9, 30.0)
+        assert taichiflap.summarise(shown.result).force_vertical.mean == found.force_vertical_mean.values[0, 2]
+        page.get_by_role("button", name="Back to the map").click()
+        page.wait_for_function(f"() => {NODE.format('/map/cells')} && !({NODE.format('/wing')})")
+        choose(page, "Across", "Mean power (mW)")
+        page.wait_for_function(f"() => {NODE.format('/map/points')}")
+        points = floats(page, "/map/points").reshape(-1, 3)
+        power = found.power_mean.values.ravel()
+        share = (points[:, 0] - points[:, 0].min()) / np.ptp(points[:, 0])
+        np.testing.assert_allclose(share, (power - power.min()) / np.ptp(power), atol=1e-5)
+    finally:
+        viewer.stop()
+    assert [path.name[:2] for path in (tmp_path / "map-cases").iterdir()] == ["2-"]
 
 
 def pixels_of(page, colour):

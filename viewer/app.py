@@ -1,9 +1,5 @@
-"""The viewer's server: opens the files, gives every browser a session, and keeps time for all of them."""
+"""The viewer of results: opens the files, and gives every browser a session."""
 
-import contextlib
-import http.client
-import io
-import socket
 import threading
 import time
 import uuid
@@ -12,10 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import viser
-
 from taichiflap import Result, open_result
-from taichiflap.errors import UserError
+from taichiflap.maps import is_map
 from taichiflap.results import PART, ResultError, part
 
 from . import camera, compare
@@ -23,11 +17,10 @@ from .colours import theme
 from .field import Fields
 from .frames import Run
 from .scene import set_up
+from .server import Server, ViewError
 from .session import Session, opening
 from .timeline import Playback
 
-UPDATES = 30
-"""Frames a second that a playing browser gets at most."""
 LOOK_SECONDS = 0.25
 """How often a file that is being written is looked at."""
 BEGIN_SECONDS = 15.0
@@ -35,14 +28,9 @@ BEGIN_SECONDS = 15.0
 FORGET_SECONDS = 600.0
 """How long the place of a browser whose connection dropped is kept."""
 BROWSER = "taichiflap-browser"
-PORTS = 100
 
 
-class ViewError(UserError):
-    """The viewer cannot start: one sentence."""
-
-
-class Viewer:
+class Viewer(Server):
     """Serves one result, or two compared, to any number of browsers.
 
     Args:
@@ -59,52 +47,21 @@ class Viewer:
         if not 1 <= len(paths) <= 2:
             raise ViewError(f"view shows one result, or two compared, not {len(paths)}")
         files = [Path(path) for path in paths]
-        self.port = _free_port(host, port)
-        self.host = host
         self.runs = [Run(_open(path), label) for path, label in zip(files, _labels(files), strict=True)]
+        super().__init__(host, port)
         self._fields = Fields(self.runs[0])
-        self._sessions: dict[int, Session] = {}
         self._dropped: dict[str, list[tuple[float, Playback]]] = {}
         self._browsers: dict[int, str] = {}
-        self._lock = threading.Lock()
-        self._stop = threading.Event()
-        with contextlib.redirect_stdout(io.StringIO()):
-            self.server = viser.ViserServer(host=host, port=self.port, label="taichiflap", verbose=False)
-        self.port = self.server.get_port()
-        self.server.gui.configure_theme(show_logo=False, show_share_button=False)
         camera.start(self.server, self.runs[0].box)
         # A page shows this from the start, until its own session takes over.
         self._set_backdrop()
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
-        works = self._play, self._follow, self._pack_page
-        self._threads = [threading.Thread(target=work, daemon=True) for work in works]
-        for thread in self._threads:
-            thread.start()
-
-    @property
-    def address(self) -> str:
-        """Where to point a browser."""
-        return f"http://{self._near_host}:{self.port}"
-
-    @property
-    def _near_host(self) -> str:
-        """The host as this machine calls it."""
-        return "localhost" if self.host in ("0.0.0.0", "::") else self.host
-
-    @property
-    def sessions(self) -> list[Session]:
-        """Those of the browsers that are connected."""
-        with self._lock:
-            return list(self._sessions.values())
+        self.serve(self._follow)
 
     def stop(self) -> None:
         """Stop serving and close the files."""
-        self._stop.set()
-        for thread in self._threads:
-            thread.join()
-        with contextlib.redirect_stdout(io.StringIO()):
-            self.server.stop()
+        super().stop()
         self._fields.close()
         for run in self.runs:
             run.close()
@@ -137,21 +94,6 @@ class Viewer:
             if session and browser:
                 self._dropped.setdefault(browser, []).append((time.monotonic(), session.playback))
 
-    def _pack_page(self) -> None:
-        """Have viser compress its page now: it does that for the first who asks, who then waits."""
-        page = http.client.HTTPConnection(self._near_host, self.port)
-        with contextlib.suppress(OSError, http.client.HTTPException), contextlib.closing(page):
-            page.request("GET", "/", headers={"Accept-Encoding": "gzip"})
-            page.getresponse().read()
-
-    def _play(self) -> None:
-        before = time.monotonic()
-        while not self._stop.wait(max(0.0, before + 1.0 / UPDATES - time.monotonic())):
-            now = time.monotonic()
-            for session in self.sessions:
-                self._guard(session.tick, now - before)
-            before = now
-
     def _follow(self) -> None:
         while any(run.live for run in self.runs) and not self._stop.wait(LOOK_SECONDS):
             surveys = [run.surveys for run in self.runs]
@@ -161,14 +103,6 @@ class Viewer:
             if any(grown):
                 for session in self.sessions:
                     self._guard(session.grow)
-
-    @staticmethod
-    def _guard(call: Any, *arguments: Any) -> None:
-        """A browser may leave, and a file may be in the middle of a write: the next tick will do."""
-        try:
-            call(*arguments)
-        except (RuntimeError, OSError):
-            return
 
 
 def _browser(client: Any) -> str:
@@ -208,33 +142,25 @@ def _labels(paths: Sequence[Path]) -> list[str]:
     return names if len(set(names)) == len(names) else [str(path) for path in paths]
 
 
-def _free_port(host: str, port: int) -> int:
-    """The first port from `port` on that nobody listens at."""
-    if not 1 <= port <= 65535:
-        raise ViewError(f"no such port: {port}")
-    problem = ""
-    for candidate in range(port, min(port + PORTS, 65536)):
-        try:
-            with socket.create_server((host, candidate)):
-                return candidate
-        except OSError as error:
-            problem = str(error.strerror)
-    raise ViewError(f"cannot listen at {host}, port {port} or the next {PORTS}: {problem}")
-
-
 def view(
     paths: Sequence[str | Path], *, host: str = "127.0.0.1", port: int = 8080, browser: bool = True
 ) -> None:  # pragma: no cover
-    """Show one result, or two compared, until interrupted.
+    """Show one result, or two compared, or a map, until interrupted.
 
     Args:
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
         browser: open the system's browser, where there is one.
     """
-    viewer = Viewer(paths, host, port)
+    viewer: Server
+    if len(paths) == 1 and is_map(Path(paths[0])):
+        from .map import MapViewer  # noqa: PLC0415 - a result does without
+
+        viewer = MapViewer(paths[0], host, port)
+    else:
+        viewer = Viewer(paths, host, port)
     try:
-        if len(viewer.runs) == 2:
+        if isinstance(viewer, Viewer) and len(viewer.runs) == 2:
             print("\n".join(compare.text(*viewer.runs)))
         if viewer.port != port:
             print(f"port {port} is taken")

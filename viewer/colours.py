@@ -60,6 +60,10 @@ class Theme:
     speed: Map
 
 
+METRIC = Map("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
+"""Of a metric over a map: viridis, as in print."""
+
+
 def linear(colours: Colours) -> Colours:
     """Colours as the corners of lines want them: viser takes those, alone, for linear light."""
     share = colours / 255.0

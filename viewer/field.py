@@ -61,11 +61,15 @@ class Fields:
     """The flow of a result's frames, computed once for all browsers, away from their thread.
 
     All of Taichi's work is done by one thread of its own, which it wants.
+
+    Args:
+        worker: that thread, if there is one already.
     """
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Run, worker: ThreadPoolExecutor | None = None) -> None:
         self.run = run
-        self._worker = ThreadPoolExecutor(1, thread_name_prefix="field")
+        self._owns = worker is None
+        self._worker = worker or ThreadPoolExecutor(1, thread_name_prefix="field")
         self._lock = threading.Lock()
         self._flows: OrderedDict[tuple[int, int], Future[Flow]] = OrderedDict()
         self._limits: tuple[float, float] | None = None
@@ -93,8 +97,9 @@ class Fields:
         return self._limits
 
     def close(self) -> None:
-        """Let the thread go."""
-        self._worker.shutdown(wait=True, cancel_futures=True)
+        """Let the thread go, unless it is another's."""
+        if self._owns:
+            self._worker.shutdown(wait=True, cancel_futures=True)
 
     def _compute(self, index: int) -> Flow:
         from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - not for a result without a wake

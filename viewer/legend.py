@@ -30,14 +30,14 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
     several = len(runs) > 1
     parts = [_named(runs, theme)] if several else []
     if not several:
-        parts.append(_bar(Bar("Wing: pressure jump", theme.pressure, -ranges.pressure, ranges.pressure, "Pa")))
+        parts.append(bar_html(Bar("Wing: pressure jump", theme.pressure, -ranges.pressure, ranges.pressure, "Pa")))
     if any(run.has_wake for run in runs):
         limit = 1e3 * ranges.circulation
-        parts.append(_bar(Bar("Wake: circulation", theme.circulation, -limit, limit, "10⁻³ m²/s")))
+        parts.append(bar_html(Bar("Wake: circulation", theme.circulation, -limit, limit, "10⁻³ m²/s")))
     elif not several:
         parts.append("No wake: blade elements (DBET) compute none.")
     if background:
-        parts.append(_bar(background))
+        parts.append(bar_html(background))
     colours = (theme.force, theme.load, theme.velocity, theme.faint)
     texts = (
         f"force: 1 chord = {1e3 * ranges.force:g} mN",
@@ -66,7 +66,8 @@ def _swatch(colour: str) -> str:
     )
 
 
-def _bar(bar: Bar) -> str:
+def bar_html(bar: Bar) -> str:
+    """A colour map with its numbers, as HTML."""
     values = (bar.low, 0.5 * (bar.low + bar.high), bar.high)
     numbers = "".join(f"<span>{_signed(value, bar.low < 0.0)}</span>" for value in values)
     gradient = GRADIENT.format(",".join(css(colour) for colour in bar.colours.table[::16]))
@@ -74,4 +75,4 @@ def _bar(bar: Bar) -> str:
 
 
 def _signed(value: float, sign: bool) -> str:
-    return f"{value:+g}".replace("-", "−") if value and sign else f"{value:g}"
+    return f"{value:+.4g}".replace("-", "−") if value and sign else f"{value:.4g}"

@@ -1,0 +1,98 @@
+"""What the viewer shows of a map is what the file holds, and every place of the picture belongs to the right case."""
+
+import numpy as np
+import pytest
+from conftest import hawkmoth
+from taichiflap_viewer.map import MapViewer
+from taichiflap_viewer.map_picture import Choice, held, opening, read
+
+from taichiflap import maps
+from taichiflap.design import design
+from taichiflap.maps import MapError, Outcome
+from taichiflap.variables import Variable
+
+KEYS = {"wing.youngs_modulus": "5e9:60e9:5:log", "motion.pitch.amplitude_deg": "5:45:3", "solver": "dbet,uvlm"}
+METRICS = {"force_vertical_mean": Variable((), "N", "lift"), "power_mean": Variable((), "W", "power")}
+
+
+def sheet_of(path, sample=None, fail=()):
+    """A map whose lift is the number of the case in mN, and whose power falls with it."""
+    vary = KEYS if sample is None else {"wing.youngs_modulus": "5e9:60e9:log", "solver": "dbet,uvlm"}
+    case = hawkmoth()
+    sheet = maps.create(path, case, design(case, vary, sample), METRICS)
+    numbers = range(sheet.design.size)
+    sheet.record(
+        numbers,
+        [
+            Outcome(reason="it fluttered")
+            if n in fail
+            else Outcome({"force_vertical_mean": 1e-3 * n, "power_mean": 1.0 - 1e-2 * n})
+            for n in numbers
+        ],
+    )
+    return sheet
+
+
+def test_a_heat_map_has_every_case_in_its_cell():
+    sheet = sheet_of(None, fail=[7])
+    choice = opening(sheet)
+    assert (choice.across, choice.up) == ("motion.pitch.amplitude_deg", "wing.youngs_modulus")
+    assert [axis.key for axis in held(sheet, choice)] == ["solver"]
+    for place, solver in enumerate(("dbet", "uvlm")):
+        picture = read(sheet, Choice(choice.across, choice.up, choice.colour, {"solver": place}))
+        for row in range(5):
+            for column in range(3):
+                number = picture.at((column + 0.5) / 3, (row + 0.5) / 5)
+                point = sheet.design.point(number)
+                assert point["solver"] == solver
+                assert point["motion.pitch.amplitude_deg"] == 5.0 + 20.0 * column
+                assert point["wing.youngs_modulus"] == sheet.design.axes[0].values[row]
+                expected = np.nan if number == 7 else float(number)
+                np.testing.assert_allclose(picture.values[row, column], expected, atol=1e-12)
+        assert picture.at(1.01, 0.5) is picture.at(0.5, -0.01) is None
+        assert picture.across.texts == ["5", "25", "45"]
+        assert (picture.up.texts[0], picture.up.texts[-1]) == ("5", "60")
+        np.testing.assert_allclose(picture.up.places, (np.arange(5) + 0.5) / 5)
+    turned = read(sheet, Choice(choice.up, choice.across, choice.colour, {"solver": 1}))
+    np.testing.assert_array_equal(turned.numbers, picture.numbers.T)
+
+
+@pytest.mark.parametrize("sample", [None, "sobol:32"])
+def test_a_scatter_has_every_case_at_its_place(sample):
+    sheet = sheet_of(None, sample, fail=[7])
+    picture = read(sheet, Choice("power_mean", "force_vertical_mean", "force_vertical_mean"))
+    assert held(sheet, Choice("power_mean", "force_vertical_mean", "power_mean")) == []
+    there = np.isfinite(picture.points).all(axis=1)
+    np.testing.assert_array_equal(np.flatnonzero(~there), [7])
+    for number in picture.numbers[there]:
+        assert picture.at(*picture.points[number]) == number
+    # A tick lies where a point of its value would.
+    shares, marks = picture.up.places, np.array(list(map(float, picture.up.texts)))
+    np.testing.assert_allclose(np.interp(marks, np.arange(len(there))[there], picture.points[there, 1]), shares)
+    assert np.all((picture.points[there] > 0) & (picture.points[there] < 1))
+    assert picture.at(0.02, 0.02) is None
+
+
+def test_keys_of_a_sample_are_drawn_by_logarithm_and_by_name():
+    sheet = sheet_of(None, "sobol:32")
+    picture = read(sheet, Choice("wing.youngs_modulus", "solver", "power_mean"))
+    modulus = np.log([sheet.design.point(n)["wing.youngs_modulus"] for n in range(32)])
+    share = (picture.points[:, 0] - picture.points[:, 0].min()) / np.ptp(picture.points[:, 0])
+    np.testing.assert_allclose(share, (modulus - modulus.min()) / np.ptp(modulus), atol=1e-12)
+    assert sorted(picture.up.texts) == ["dbet", "uvlm"]
+
+
+def test_a_map_that_has_just_begun_can_be_looked_at():
+    case = hawkmoth()
+    sheet = maps.create(None, case, design(case, {"wing.youngs_modulus": "5e9:60e9:4"}), METRICS)
+    choice = opening(sheet)
+    assert (choice.across, choice.up) == ("wing.youngs_modulus", "force_vertical_mean")
+    picture = read(sheet, choice)
+    assert picture.limits == (0.0, 1.0)
+    assert picture.at(0.5, 0.5) is None
+
+
+def test_a_file_that_is_no_map_is_refused(tmp_path):
+    (tmp_path / "map.h5").write_bytes(b"no")
+    with pytest.raises(MapError, match="not a readable map"):
+        MapViewer(tmp_path / "map.h5")
