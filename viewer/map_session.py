@@ -253,7 +253,8 @@ def _case_lines(sheet: Map, number: int, metric: str) -> list[str]:
 
 
 def _lines(lines: list[str]) -> str:
-    return f'<div data-case style="padding:4px;font-size:12px;line-height:1.4;overflow-wrap:anywhere">{"<br>".join(lines)}</div>'
+    style = "padding:4px;font-size:12px;line-height:1.4;overflow-wrap:anywhere"
+    return f'<div data-case style="{style}">{"<br>".join(lines)}</div>'
 
 
 def _digits(value: float) -> float:
