@@ -290,6 +290,8 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
     except OSError as error:
         raise MapError(f"{path}: not a readable map: {_first_line(error)}") from None
     try:
+        if "taichiflap_map" not in file.attrs:
+            raise MapError(f"{path}: an HDF5 file, but not a map of taichiflap")
         version = intact.attribute(file, "taichiflap_map")
         if version > FORMAT:
             raise MapError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
@@ -300,8 +302,7 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
         raise
     except DAMAGE as error:
         file.close()
-        said = f"{path}: damaged: {error}" if isinstance(error, DamageError) else f"{path}: an HDF5 file, but"
-        raise MapError(said if isinstance(error, DamageError) else f"{said} not a map of taichiflap") from None
+        raise MapError(f"{path}: damaged: {error}") from None
     return opened
 
 

@@ -363,7 +363,7 @@ def test_a_run_that_fails_keeps_its_viewer(command):
     while "Ctrl-C" not in line:
         line = process.stdout.readline()
         assert line, process.stderr.read()
-    while "ceased to be finite" not in process.stderr.readline():
+    while "ran away" not in process.stderr.readline():
         assert process.poll() is None
     host, port = line.split()[0].removeprefix("http://").split(":")
     with socket.create_connection((host, int(port)), timeout=30.0):

@@ -23,7 +23,7 @@ class Beside:
     """
 
     def __init__(self, path: Path, *options: str) -> None:
-        self._file = part(path)
+        self._path, self._file = path, part(path)
         self._options = options
         self._process: subprocess.Popen[Any] | None = None
         self._leftover = self._touched()
@@ -40,7 +40,10 @@ class Beside:
         self._over.set()
         self._watcher.join()
         if self._process is None:
-            return
+            if kind is not None:
+                return
+            # The run was over before anyone looked.
+            self._process = self._view(self._path)
         if kind is not None:
             self._process.terminate()
         try:
@@ -53,8 +56,10 @@ class Beside:
         while self._touched() == self._leftover:
             if self._over.wait(LOOK_SECONDS):
                 return
-        command = [sys.executable, "-m", "taichiflap", "view", str(self._file), *self._options]
-        self._process = subprocess.Popen(command)
+        self._process = self._view(self._file)
+
+    def _view(self, file: Path) -> subprocess.Popen[Any]:
+        return subprocess.Popen([sys.executable, "-m", "taichiflap", "view", str(file), *self._options])
 
     def _touched(self) -> int:
         """When the file was last written, if there is one: a crash may have left one of this name."""
