@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import taichiflap
-from taichiflap.metrics import whole_beats
+from taichiflap.beats import whole_beats
 from taichiflap.studies import momentum
 from taichiflap.studies.page import Heading, Paragraph, Table, markdown
 
@@ -97,11 +97,11 @@ HEAD = ("Choice", "Rigid (mN)", "Flexible (mN)", "Its wing-normal part (mN)", "T
 
 def statistics(result):
     """Mean and standard deviation over the later beats: vertical force, its normal part (mN), tip deflection (mm)."""
-    beats = whole_beats(result.case, result.time)[START:]
+    beats = whole_beats(result.case, result.time).after(START)
     values = (
-        [np.mean(result.force_vertical[beat]) for beat in beats],
-        [np.mean(result.force_vertical_normal[beat]) for beat in beats],
-        [np.max(np.abs(result.tip_deflection[beat])) for beat in beats],
+        beats.means(result.force_vertical),
+        beats.means(result.force_vertical_normal),
+        beats.peaks(result.tip_deflection),
     )
     return [(1e3 * float(np.mean(row)), 1e3 * float(np.std(row))) for row in values]
 
