@@ -150,7 +150,7 @@ def energy(steps: Sequence[int] = (100, 200, 400, 800)) -> Check:
 def _unaccounted(solver: str, steps: int) -> float:
     case = hawkmoth(
         f"solver={solver}", "wing.modes=2", "time.periods=2", f"time.steps_per_period={steps}", "uvlm.panels=20",
-        "uvlm.core=0.02", "wing.damping_ratio=[0.05, 0.2]", "uvlm.wake=200",
+        "uvlm.core=0.02", "wing.damping_ratio=[0.05, 0.2]", "uvlm.wake=all",
     )  # fmt: skip
     march = March([case], fluids.load(solver))
     frames = march.advance(march.steps + 1)[0]
