@@ -13,9 +13,9 @@ import numpy as np
 
 from . import absorb, linear, spacing, wake
 from .beam import Modes
-from .body import AMPLITUDE, RATE, array, most_modes, pivot_velocity, zeros
+from .body import AMPLITUDE, COSINE, RATE, SINE, array, most_modes, pivot_velocity, zeros
 from .case import Case
-from .motion import PITCH, PITCH_RATE, PLUNGE
+from .motion import PITCH_RATE, PLUNGE
 from .profile import Profile
 from .runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets3, View, ti
 from .spacing import NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
@@ -56,7 +56,7 @@ Lattice = ti.types.argpack(
 def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     """Arrays of the lattices of a batch."""
     count = len(cases)
-    most = -(-max(case.uvlm.panels for case in cases) // 8) * 8
+    most = 8 * linear.octets(max(case.uvlm.panels for case in cases))
     modes = most_modes(sections)
     node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
     shape = np.zeros((count, modes, TABLES, most + 1))
@@ -116,8 +116,8 @@ def deflect(flow: View, state: View, b, row, table, i, modes):
 def lay_panels(body: View, flow: View, b, n):
     """Panels, bound vortices and control points of the wing as it is expected to deform."""
     modes = body.modes[b]
-    cosine = ti.cos(body.motion[b, n, PITCH])
-    sine = ti.sin(body.motion[b, n, PITCH])
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
     pivot = body.motion[b, n, PLUNGE]
     for i in range(flow.panels[b] + 1):
         flow.node[b, Z, i] = deflect(flow, body.q_guess, b, AMPLITUDE, NODE, i, modes)
@@ -151,8 +151,8 @@ def guard(body: View, flow: View, wakes: View, b, n):
 
     A vortex that was above the wing and now is below stands as far above instead; it may go around an edge.
     """
-    cosine = ti.cos(body.motion[b, n, PITCH])
-    sine = ti.sin(body.motion[b, n, PITCH])
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
     pivot = body.motion[b, n, PLUNGE]
     last = flow.panels[b]
     for m in range(wakes.ring[b, COUNT]):
@@ -188,8 +188,8 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n):
     flow that carried the youngest vortex; never ahead of the edge, never closer than the least travel.
     """
     edge = flow.panels[b]
-    cosine = ti.cos(body.motion[b, n, PITCH])
-    sine = ti.sin(body.motion[b, n, PITCH])
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
     t_y = flow.point[b, ALONG, edge - 1]
     t_z = flow.point[b, ACROSS, edge - 1]
     along = wakes.setting[b, DISTANCE]
@@ -226,8 +226,8 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n):
 @ti.func
 def wash_panels(body: View, flow: View, wakes: View, b, n):
     """Velocity of the wake at the control points, along e_y and e_z."""
-    cosine = ti.cos(body.motion[b, n, PITCH])
-    sine = ti.sin(body.motion[b, n, PITCH])
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
     for block in range((flow.panels[b] + 7) // 8):
         y = octet(flow.control, b, Y, 8 * block)
         z = octet(flow.control, b, Z, 8 * block)

@@ -13,6 +13,7 @@ import numpy as np
 from . import multipole
 from .body import array
 from .case import Case
+from .linear import octets
 from .motion import typical_speed
 from .multipole import Tree, expand, induce_by_tree, octet_at
 from .runtime import LANE, Floats2, Floats3, Ints1, View, available_threads, tasks, ti, view
@@ -33,14 +34,15 @@ class LongWakes:
         first: the first step for which that is worth its while.
     """
 
-    def __init__(self, cases: Sequence[Case], wakes: Any, flow: Any, threads: int | None) -> None:
+    def __init__(self, cases: Sequence[Case], wakes: Any, flow: Any, failed: Any, threads: int | None) -> None:
         self._cases = list(cases)
-        self._wakes, self._flow = wakes, flow
+        self._wakes, self._flow, self._failed = wakes, flow, failed
         self._lanes = tasks(TASKS, threads)
         workers = min(threads or available_threads(), available_threads())
         alone = len(self._cases) < workers
-        self._starts = [_first_step(case, FAR if case.uvlm.far_error else WIDE if alone else None) for case in cases]
-        self.first = min(self._starts)
+        self._starts = np.array([_first_step(case, alone) for case in cases])
+        self._ends = np.array([case.steps for case in cases])
+        self.first = int(self._starts.min())
         self._error = [case.uvlm.far_error and case.uvlm.far_error * typical_speed_of(case) for case in cases]
         self._tree: Any = None
 
@@ -50,12 +52,12 @@ class LongWakes:
             self._tree = multipole.allocate(len(self._cases), self._room())
             self._ready = array([0] * len(self._cases))
         counts = view(self._wakes.ring)[:, COUNT]
-        view(self._ready)[...] = ready = np.array([n >= start for start in self._starts])
+        view(self._ready)[...] = ready = (self._starts <= n) & (n <= self._ends) & (view(self._failed) < 0)
         for b in np.flatnonzero(ready & np.array([error > 0.0 for error in self._error])):
             multipole.sort(self._tree, int(b), view(self._wakes.vortex)[b, : CORE2 + 1, : counts[b]], self._error[b])
         if any(self._error):
             _expand_all(self._tree, int(view(self._tree.leaves).max()), len(self._cases), self._lanes)
-        blocks = -(-int(counts.max()) // 8)
+        blocks = octets(int(counts.max()))
         flow = self._flow
         _carry_all(self._wakes, self._tree, self._ready, flow.bound, flow.panels, flow.stream, n, blocks, self._lanes)
 
@@ -63,10 +65,11 @@ class LongWakes:
         return max([ring_size(case) for case in self._cases if case.uvlm.far_error], default=0)
 
 
-def _first_step(case: Case, vortices: int | None) -> int:
-    """The first step at which a case's wake holds so many vortices; past its last one if never."""
-    never = vortices is None or ring_size(case) < vortices
-    return case.steps + 1 if never else int(vortices or 0)
+def _first_step(case: Case, alone: bool) -> int:
+    """The first step at which a case's wake is long, where it may have all threads; past its last one if never."""
+    least = FAR if case.uvlm.far_error else WIDE
+    may = alone or case.uvlm.far_error > 0.0
+    return least if may and ring_size(case) >= least else case.steps + 1
 
 
 def typical_speed_of(case: Case) -> float:

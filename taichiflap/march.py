@@ -21,8 +21,8 @@ A fluid model is a module, of this package or from elsewhere (see `taichiflap.fl
 - `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding;
 - if it likes, `uses(cases)`: what some case of a batch needs, hashable, the last argument of `prepare` and `settle`, so
   that by `ti.static` the kernel holds nothing else;
-- if it likes, `ahead(cases, groups, threads)`: what is called with every step n from `ahead.first` on, to do
-  beforehand on all threads what one case's thread would be long at.
+- if it likes, `ahead(cases, groups, threads)`, of its groups and `body`: what is called with every step n from
+  `ahead.first` on, to do beforehand on all threads what one case's thread would be long at.
 """
 
 import functools
@@ -150,21 +150,7 @@ def kernel(fluid: ModuleType, film: bool = True, used: Any = None) -> Any:
 
     groups = {name: group for name, group in fluid.GROUPS.items() if film or name != "film"}
     Batch = ti.types.argpack(body=Body, track=Track, **groups)
-    told = used is not None
-
-    @ti.func
-    def prepare(batch: View, b, n, rule):
-        if ti.static(told):
-            fluid.prepare(batch, b, n, rule, used)
-        else:
-            fluid.prepare(batch, b, n, rule)
-
-    @ti.func
-    def settle(batch: View, b, n, rule):
-        if ti.static(told):
-            fluid.settle(batch, b, n, rule, used)
-        else:
-            fluid.settle(batch, b, n, rule)
+    needs = () if used is None else (used,)
 
     @ti.func
     def march_case(batch: View, b, first, last, opening):
@@ -173,9 +159,9 @@ def kernel(fluid: ModuleType, film: bool = True, used: Any = None) -> Any:
             if batch.body.failed[b] < 0:
                 rule = differencing(n, batch.body.dt[b])
                 predict(batch.body, b, n, rule)
-                prepare(batch, b, n, rule)
+                fluid.prepare(batch, b, n, rule, *needs)
                 accelerate(batch.body, b, n, rule)
-                settle(batch, b, n, rule)
+                fluid.settle(batch, b, n, rule, *needs)
                 if has_diverged(batch.body, b):
                     batch.body.failed[b] = n
                 if n % every == 0:
@@ -211,7 +197,7 @@ class March:
         self.sections = [beam.modes(case.wing) for case in self.cases]
         self.motion = bodies.sample_motions(self.cases)
         self.body = bodies.allocate(self.cases, self.sections, self.motion)
-        self.groups = fluid.allocate(self.cases, self.sections)
+        self.groups = {"body": self.body, **fluid.allocate(self.cases, self.sections)}
         self.steps = max(case.steps for case in self.cases)
         self.next_step = 0
         self._filming = film
@@ -243,10 +229,9 @@ class March:
 
     def state(self, b: int) -> dict[str, np.ndarray]:
         """What a case's coming steps depend on, arrays with a case axis of one, until the next `advance`."""
-        groups = {"body": self.body, **self.groups}
         return {
             f"{group}.{name}": view(values)[b : b + 1]
-            for group, arrays in groups.items()
+            for group, arrays in self.groups.items()
             for name, values in arrays.items
             if name not in bodies.GIVEN
         }
@@ -310,7 +295,7 @@ class March:
         self._stored = [self._track, *film.values()]
         uses = getattr(self.fluid, "uses", None)
         group, self._kernel = kernel(self.fluid, self._filming, uses(self.cases) if uses else None)
-        self._batch = group(body=self.body, track=self._track, **film, **self.groups)
+        self._batch = group(track=self._track, **film, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
         fields = {name: view(values) for group in self._stored for name, values in group.items}

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .body import zeros
 from .runtime import Floats1, Floats3, Ints1, Ints2, Octet, View, ti, view
 from .vortex import CIRCULATION, CORE2, INV_2PI, Y, Z, induce
 
@@ -42,20 +43,14 @@ def allocate(cases: int, vortices: int) -> Any:
     """Trees for so many vortices in each case, without any as yet."""
     leaves = _power_of_two(vortices)
     return Tree(
-        count=_zeros(ti.i32, cases),
-        leaves=_zeros(ti.i32, cases),
-        limit=_zeros(ti.f64, cases),
-        order=_zeros(ti.i32, cases, leaves * LEAF),
-        source=_zeros(ti.f64, cases, 4, leaves * LEAF),
-        node=_zeros(ti.f64, cases, 2 * leaves, 4),
-        moment=_zeros(ti.f64, cases, 2 * leaves, 2 * ORDER),
+        count=zeros(ti.i32, cases),
+        leaves=zeros(ti.i32, cases),
+        limit=zeros(ti.f64, cases),
+        order=zeros(ti.i32, cases, leaves * LEAF),
+        source=zeros(ti.f64, cases, 4, leaves * LEAF),
+        node=zeros(ti.f64, cases, 2 * leaves, 4),
+        moment=zeros(ti.f64, cases, 2 * leaves, 2 * ORDER),
     )
-
-
-def _zeros(dtype: Any, *shape: int) -> Any:
-    made = ti.ndarray(dtype, shape)
-    view(made)[...] = 0
-    return made
 
 
 def _power_of_two(vortices: int) -> int:

@@ -4,9 +4,9 @@ Reade & Jankauski (2020), Eq. 33, with what the bound vortices of a bent wing ad
 expected before the step's acceleration is known. The suction at the leading edge is Lan's (1974).
 """
 
-from .body import AMPLITUDE, RATE, pivot_velocity
+from .body import AMPLITUDE, COSINE, RATE, SINE, pivot_velocity
 from .lattice import ACROSS, ALONG, FACTOR, FORCE, circulation_at, deflect
-from .motion import PITCH, PITCH_RATE, PLUNGE
+from .motion import PITCH_RATE, PLUNGE
 from .runtime import Octet, View, ti
 from .spacing import EDGE_SLOPE, NODE, POINT, VORTEX
 from .vortex import CIRCULATION, INV_2PI, TINY, Y, Z, induce, octet, store_octet
@@ -63,8 +63,8 @@ def past_vortices(body: View, flow: View, wakes: View, b, n):
     """
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
-    cosine = ti.cos(body.motion[b, n, PITCH])
-    sine = ti.sin(body.motion[b, n, PITCH])
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
     for block in range((flow.panels[b] + 7) // 8):
         u_y, u_z = induced(flow, wakes, octet(flow.bound, b, Y, 8 * block), octet(flow.bound, b, Z, 8 * block), b)
         store_octet(flow.slip, b, Y, 8 * block, cosine * u_y + sine * u_z)
@@ -91,8 +91,8 @@ def suck(body: View, flow: View, wakes: View, b, n):
     stretch = ti.sqrt(1.0 + slope * slope)
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
-    cosine = ti.cos(body.motion[b, n, PITCH])
-    sine = ti.sin(body.motion[b, n, PITCH])
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
     y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
     place = body.motion[b, n, PLUNGE] + sine * y + cosine * z
     v_y, v_z = induced(flow, wakes, Octet(cosine * y - sine * z), Octet(place), b)

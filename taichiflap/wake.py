@@ -12,6 +12,7 @@ import numpy as np
 
 from .body import array, zeros
 from .case import Case
+from .linear import octets
 from .runtime import Floats2, Floats3, Ints2, View, ti
 from .spacing import SHARE
 from .vortex import CIRCULATION, CORE2, TINY, Y, Z, induce, octet, store_octet
@@ -50,7 +51,7 @@ Wake = ti.types.argpack(
 def allocate(cases: Sequence[Case]) -> Any:
     """Empty wakes of a batch."""
     keep = [ring_size(case) for case in cases]
-    count, most = len(cases), -(-max(keep) // 8) * 8
+    count, most = len(cases), 8 * octets(max(keep))
     return Wake(
         ring=array([[size, 0, 0, 0, 0, 0] for size in keep]),
         setting=array([_settings(case) for case in cases]),

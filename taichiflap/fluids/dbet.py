@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import linear
 from ..beam import Modes
 from ..body import (
     ACCEL,
@@ -61,7 +62,7 @@ GROUPS = {"flow": Flow, "film": Film}
 def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]:
     """Arrays of the elements of a batch."""
     count = len(cases)
-    most = -(-max(case.dbet.elements for case in cases) // 8) * 8
+    most = 8 * linear.octets(max(case.dbet.elements for case in cases))
     element = np.zeros((count, 10, most))
     shape = np.zeros((count, most_modes(sections), most))
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):

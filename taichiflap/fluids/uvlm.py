@@ -60,7 +60,7 @@ def uses(cases: Sequence[Case]) -> Uses:
 
 def ahead(cases: Sequence[Case], groups: dict[str, Any], threads: int | None) -> LongWakes:
     """What a step of long wakes is worth doing on all threads."""
-    return LongWakes(cases, groups["wake"], groups["flow"], threads)
+    return LongWakes(cases, groups["wake"], groups["flow"], groups["body"].failed, threads)
 
 
 def film(cases: Sequence[Case], frames: int) -> Any:
