@@ -267,6 +267,22 @@ def test_charts_move_with_the_scene(serve, look):
     page.wait_for_function(f"() => {charts}.every(d => d[0][0] === 0)")
 
 
+def test_the_charts_axes_have_numbers(serve, look):
+    """They are missing where the page has laid a chart out before it knew its width; a theme draws all anew."""
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    charts = "Object.values(window.__viserTestpoints.uplots).map(one => one.chart)"
+    numbered = f"() => {charts}.length === 4 && {charts}.every(c => c.axes.every(a => (a._values || []).length > 1))"
+    page.wait_for_function(numbered)
+    told = "c => c.axes[0]._splits.map((x, i) => [x, Number(c.axes[0]._values[i])])"
+    for places, numbers in np.array(page.evaluate(f"() => {charts}.map({told})")).transpose(0, 2, 1):
+        np.testing.assert_allclose(places, numbers)
+        assert (places[0], places[-1]) == (1.0, 2.0)
+    page.get_by_label("Dark", exact=True).click()
+    page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    page.wait_for_function(numbered)
+
+
 def test_dbet_says_that_it_has_no_wake(serve, look):
     viewer = serve("dbet")
     page = look(viewer.address)

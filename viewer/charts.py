@@ -17,6 +17,9 @@ HEIGHT = 106
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Okabe and Ito's."""
 WINDOWS = (LAST_BEAT, THIS_BEAT, ALL)
+NUDGE = 1e-9
+"""Share of the time axis by which its end moves to and fro. A page that gets new data in the moment in which it learns
+how wide a chart is forgets to put numbers on its axes, unless their range changes as well."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ class Charts:
         self._window: tuple[int, int] | None = None
         self._curves: dict[str, list[Array]] = {}
         self._times: Array = np.zeros(0)
-        self._now: list[int] = []
+        self._nudge = 0.0
         self._load(playback)
         self.handles = {
             quantity.name: gui.add_uplot(
@@ -62,7 +65,7 @@ class Charts:
                 self._series(quantity, theme),
                 title=f"{quantity.title}, {quantity.unit}",
                 scales=self._scales(quantity),
-                axes=({"size": 26, "space": 40}, {"size": 46, "space": 20}),
+                axes=({"size": 26, "space": 40}, {"size": 46, "space": 17}),
                 legend={"show": False},
                 height=HEIGHT,
                 padding=(4, 14, 0, 0),
@@ -73,6 +76,7 @@ class Charts:
     def show(self, playback: Playback, again: bool = False) -> None:
         """Move the dots to the frame shown; `again` reads the curves anew, from a file that has grown."""
         fresh = self._load(playback, again)
+        self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
             handle = self.handles[quantity.name]
             handle.data = self._data(quantity, playback.frame)
@@ -119,7 +123,9 @@ class Charts:
             nearest = int(np.argmin(np.abs(self._times - now)))
             for dot, curve in zip(dots, curves, strict=True):
                 dot[nearest] = curve[nearest]
-        return (self._times, *curves, *dots)
+        times = self._times.copy()
+        times[-1:] += self._nudge * (times[-1:] - times[:1])
+        return (times, *curves, *dots)
 
     def _scales(self, quantity: Quantity) -> dict[str, Any]:
         """Ranges of the axes: uPlot cannot find them itself among the NaN around the dots."""
