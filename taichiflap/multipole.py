@@ -189,7 +189,7 @@ def induce_by_moments(y, z, tree: View, b, i):
     d_z = z - tree.node[b, i, C_Z]
     inverse = 1.0 / (d_y * d_y + d_z * d_z)
     t_y = d_y * inverse
-    t_z = -d_z * inverse
+    t_z = (tree.node[b, i, C_Z] - z) * inverse
     s_y = Octet(0.0)
     s_z = Octet(0.0)
     for k in range(ORDER):

@@ -42,7 +42,10 @@ else:
     Octets3 = ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=3)
 
 Octet: Any = ti.types.vector(8, ti.f64) if ti else None
-"""Eight doubles: one AVX-512 register, the unit in which pair sums and eliminations are written."""
+"""Eight doubles: one AVX-512 register, the unit in which pair sums, eliminations and blade elements are written.
+
+To LLVM it stays one vector; taken apart, as by Taichi's default, it is not put together again where it is stored. The
+price is that Taichi 1.7 cannot negate an octet, nor take one from a variable by `-=`: write `u = u - x`."""
 
 LANE = 512
 """Taichi runs a parallel loop of 512 iterations or fewer on one thread. Kernels therefore loop over
@@ -69,6 +72,7 @@ def start() -> None:
             arch=ti.cpu,
             default_fp=ti.f64,
             fast_math=False,
+            real_matrix_scalarize=False,
             offline_cache=True,
             cpu_max_num_threads=_threads,
             log_level=ti.ERROR,

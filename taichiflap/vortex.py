@@ -47,7 +47,7 @@ def induce(y, z, core2, vortices: View, b, first, last):
         dy = y - vortices[b, Y, j]
         dz = z - vortices[b, Z, j]
         strength = vortices[b, CIRCULATION, j] / (dy * dy + dz * dz + (core2 + vortices[b, CORE2, j]))
-        u_y -= dz * strength
+        u_y = u_y - dz * strength
         u_z += dy * strength
     return u_y * INV_2PI, u_z * INV_2PI
 

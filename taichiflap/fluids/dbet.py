@@ -172,51 +172,33 @@ def kept_share(r_y, r_z, e_y, e_z):
 
 
 @ti.func
-def move(body: View, flow: View, b, n):
-    """Expected velocity of the elements, and the acceleration that the added mass feels (Eqs 6-7, 25-27)."""
+def linearise(body: View, flow: View, b, n):
+    """Blade forces about the expected rates, and the acceleration that the added mass feels (Eqs 6-7, 17-27)."""
     modes = body.modes[b]
     heave = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
-    _, p_z = pivot_velocity(body, flow.stream, b, n)
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]
     for block in range((flow.elements[b] + 7) // 8):
         y = flow.element[b, POSITION, block]
         w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
-        flow.element[b, R_Z, block] = p_z + y * theta_rate
-        flow.element[b, E_Y, block] = -theta_rate * w
-        flow.element[b, W_RATE, block] = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
+        w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
+        r_z = p_z + y * theta_rate
+        e_y = w * -theta_rate
+        u_y = p_y + e_y
+        u_z = r_z + w_rate
+        traction = normal_force(flow, b, u_y, u_z)
+        slope = normal_slope(flow, b, u_y, u_z)
+        if flow.truncated[b] == 1:
+            kept = kept_share(p_y, r_z, e_y, w_rate)
+            slope = kept * slope + traction * 2.0 * (r_z - kept * u_z) / (u_y * u_y + u_z * u_z + TINY)
+            traction = kept * traction
+        flow.element[b, R_Z, block] = r_z
+        flow.element[b, E_Y, block] = e_y
+        flow.element[b, W_RATE, block] = w_rate
+        flow.element[b, NORMAL_TRACTION, block] = traction
+        flow.element[b, SLOPE, block] = slope
         flow.element[b, ACCELERATION, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
-
-
-@ti.func
-def linearise(body: View, flow: View, b, n):
-    """Blade forces about the expected rates. One result a loop: of two that share terms LLVM vectorises neither."""
-    p_y, _ = pivot_velocity(body, flow.stream, b, n)
-    for block in range((flow.elements[b] + 7) // 8):
-        u_y = p_y + flow.element[b, E_Y, block]
-        u_z = flow.element[b, R_Z, block] + flow.element[b, W_RATE, block]
-        flow.element[b, NORMAL_TRACTION, block] = normal_force(flow, b, u_y, u_z)
-    for block in range((flow.elements[b] + 7) // 8):
-        u_y = p_y + flow.element[b, E_Y, block]
-        u_z = flow.element[b, R_Z, block] + flow.element[b, W_RATE, block]
-        flow.element[b, SLOPE, block] = normal_slope(flow, b, u_y, u_z)
-    if flow.truncated[b] == 1:
-        truncate(flow, b, p_y)
-
-
-@ti.func
-def truncate(flow: View, b, p_y):
-    """The blade forces with the paper's truncated speed in place of the whole."""
-    for block in range((flow.elements[b] + 7) // 8):
-        r_z = flow.element[b, R_Z, block]
-        e_y = flow.element[b, E_Y, block]
-        e_z = flow.element[b, W_RATE, block]
-        normal = flow.element[b, NORMAL_TRACTION, block]
-        speed2 = (p_y + e_y) * (p_y + e_y) + (r_z + e_z) * (r_z + e_z) + TINY
-        kept = kept_share(p_y, r_z, e_y, e_z)
-        change = normal * 2.0 * (r_z - kept * (r_z + e_z)) / speed2
-        flow.element[b, SLOPE, block] = kept * flow.element[b, SLOPE, block] + change
-        flow.element[b, NORMAL_TRACTION, block] = kept * normal
 
 
 @ti.func
@@ -234,14 +216,14 @@ def load_modes(body: View, flow: View, b, rule):
             ahead = known_rate - flow.element[b, W_RATE, block]
             traction = flow.element[b, NORMAL_TRACTION, block] + flow.element[b, SLOPE, block] * ahead
             traction += flow.added_mass[b] * flow.element[b, ACCELERATION, block]
-            load -= flow.shape[b, j, block] * flow.element[b, AREA, block] * traction
+            load = load - flow.shape[b, j, block] * flow.element[b, AREA, block] * traction
         body.load[b, j] = load.sum()
         for k in range(modes):
             response = Octet(0.0)
             for block in range((flow.elements[b] + 7) // 8):
                 inertia = flow.added_mass[b] + rule[BETA] * flow.element[b, SLOPE, block]
                 weight = flow.shape[b, j, block] * flow.element[b, AREA, block]
-                response -= weight * inertia * flow.shape[b, k, block]
+                response = response - weight * inertia * flow.shape[b, k, block]
             body.response[b, j, k] = response.sum()
 
 
@@ -270,9 +252,9 @@ def sum_forces(body: View, flow: View, b, n):
         blades = flow.element[b, NORMAL_TRACTION, block] + flow.element[b, SLOPE, block] * ahead
         normal = unsteady - blades
         flow.element[b, PRESSURE, block] = normal
-        flow.element[b, SHEAR, block] = -drag
+        flow.element[b, SHEAR, block] = -1.0 * drag
         total_normal += area * normal
-        total_axial -= area * drag
+        total_axial = total_axial - area * drag
         total_moment += area * (y * normal + w * drag)
         total_unsteady += area * unsteady
     body.force[b, NORMAL] = total_normal.sum()
@@ -284,7 +266,6 @@ def sum_forces(body: View, flow: View, b, n):
 @ti.func
 def prepare(batch: View, b, n, rule):
     """Modal force of the coming step `n`."""
-    move(batch.body, batch.flow, b, n)
     linearise(batch.body, batch.flow, b, n)
     load_modes(batch.body, batch.flow, b, rule)
 
