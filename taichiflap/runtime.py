@@ -5,12 +5,13 @@ Every kernel module takes `ti`, the array types and the parallel idiom from here
 """
 
 import contextlib
-import functools
 import io
 import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from .haste import hasten
 
 # Taichi sends its version and a machine id to an outside host, and prints a banner, unless told not to.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 else:
     import taichi as ti
 
+    hasten(ti)
     View = ti.template()
     """Annotation of a `ti.func` parameter that is an array or a group of arrays."""
     Ints1, Ints2, Ints3 = (ti.types.ndarray(dtype=ti.i32, ndim=n) for n in (1, 2, 3))
@@ -65,8 +67,6 @@ def start() -> None:
     if _threads:
         return
     _threads = available_threads()
-    _skip_source_lines()
-    _read_sources_once()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
             arch=ti.cpu,
@@ -77,22 +77,6 @@ def start() -> None:
             cpu_max_num_threads=_threads,
             log_level=ti.ERROR,
         )
-
-
-def _skip_source_lines() -> None:
-    """Spare Taichi the drawing of a source line for every node it reads: half of the time to load a kernel.
-
-    Only its messages about errors in kernels show them. TAICHIFLAP_DEBUG=1 keeps them.
-    """
-    if not os.environ.get("TAICHIFLAP_DEBUG"):
-        ti.lang.ast.ast_transformer_utils.ASTTransformerContext.get_pos_info = lambda _context, _node: ""
-
-
-def _read_sources_once() -> None:
-    """Spare Taichi the search for a function's source at each of its calls: a tenth of a second for the UVLM."""
-    module = ti.lang.kernel_impl
-    module.getsourcefile = functools.cache(module.getsourcefile)
-    module.getsourcelines = functools.cache(module.getsourcelines)
 
 
 def tasks(cases: int, threads: int | None = None) -> int:

@@ -1,0 +1,50 @@
+"""What Taichi 1.7 need not do at every start: a quarter of the time that it takes to read our kernels.
+
+All of it serves messages about errors in kernels, or kernels inside classes; TAICHIFLAP_DEBUG=1 gives it back. None of
+it changes what is compiled.
+"""
+
+import ast
+import functools
+import inspect
+import linecache
+import os
+import sys
+from collections.abc import Callable
+from typing import Any
+
+
+def hasten(taichi: Any) -> None:
+    """Call at once after `import taichi`, before any decorator."""
+    if os.environ.get("TAICHIFLAP_DEBUG"):
+        return
+    kernels = taichi.lang.kernel_impl
+    # It draws the source line of every node.
+    taichi.lang.ast.ast_transformer_utils.ASTTransformerContext.get_pos_info = lambda _context, _node: ""
+    # At every decorator it reads the line of the frame around it; a class body is known by its name.
+    kernels._inside_class = _inside_class
+    # At every call of a function it searches all modules for its source.
+    kernels.getsourcefile = lambda function: function.__code__.co_filename
+    kernels.getsourcelines = _source
+
+
+def _inside_class(level_of_class_stackframe: int) -> bool:
+    return "__qualname__" in sys._getframe(level_of_class_stackframe).f_locals
+
+
+@functools.cache
+def _source(function: Callable[..., Any]) -> tuple[list[str], int]:
+    """Lines of a function, and the number of the first, as `inspect.getsourcelines` gives them."""
+    first = function.__code__.co_firstlineno
+    last = _ends(function.__code__.co_filename).get(first)
+    if last is None:
+        return inspect.getsourcelines(function)
+    return linecache.getlines(function.__code__.co_filename)[first - 1 : last], first
+
+
+@functools.cache
+def _ends(path: str) -> dict[int, int]:
+    """Last line of every function of a file, by its first, which is that of its first decorator."""
+    tree = ast.parse("".join(linecache.getlines(path)))
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    return {min([f.lineno, *(d.lineno for d in f.decorator_list)]): f.end_lineno or 0 for f in functions}
