@@ -20,7 +20,7 @@ def test_sources_are_those_that_inspect_finds(module):
 def test_a_function_without_a_file_is_left_to_inspect():
     made: dict = {}
     exec(compile("def nowhere(): pass", "<nowhere>", "exec"), made)
-    with pytest.raises(OSError):
+    with pytest.raises(OSError, match="source"):
         haste._source(made["nowhere"])
 
 
