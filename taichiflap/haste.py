@@ -5,6 +5,7 @@ it changes what is compiled.
 """
 
 import ast
+import contextlib
 import functools
 import inspect
 import linecache
@@ -29,7 +30,10 @@ def hasten(taichi: Any) -> None:
 
 
 def _inside_class(level_of_class_stackframe: int) -> bool:
-    return "__qualname__" in sys._getframe(level_of_class_stackframe).f_locals
+    # Around a function of a script there are not so many frames.
+    with contextlib.suppress(ValueError):
+        return "__qualname__" in sys._getframe(level_of_class_stackframe).f_locals
+    return False
 
 
 @functools.cache

@@ -30,3 +30,4 @@ def test_a_kernel_in_a_class_is_told_from_one_in_a_function():
 
     assert Holder.inside
     assert not haste._inside_class(1)
+    assert not haste._inside_class(100_000)
