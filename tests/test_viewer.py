@@ -272,6 +272,28 @@ def test_a_frame_is_one_message_a_node_and_drawn_once_for_all(folder, monkeypatc
         viewer.stop()
 
 
+def test_a_message_is_packed_as_viser_packs_it(folder):
+    """Guards the short cut past viser's own packing, for nodes of the scene and for charts."""
+    viewer = Viewer([folder / "uvlm.h5"])
+    try:
+        gui, socket_server = viewer.server.gui, viewer.server._websock_server
+        points = np.arange(6, dtype=np.float32).reshape(2, 3)
+        label, chart = viewer.server.scene.add_label("/label", ""), gui.add_uplot((points[0],) * 2, ({}, {}))
+        with pytest.MonkeyPatch.context() as patched:
+            sent = []
+            patched.setattr(socket_server, "queue_message", sent.append)
+            wire.send(label, text="beat 1", points=points)
+            wire.send(chart, data=(points[0], points[1]))
+        for message in sent:
+            (kind,) = type(message).__bases__
+            packed, own = [], []
+            assert message.as_serializable_dict(packed) == kind(**vars(message)).as_serializable_dict(own)
+            assert [part.tobytes() for part in packed] == [part.tobytes() for part in own]
+            assert packed
+    finally:
+        viewer.stop()
+
+
 def test_without_the_private_way_values_go_through_the_handle():
     class Handle:
         """A node's handle in a viser without the way in."""

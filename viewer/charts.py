@@ -7,6 +7,7 @@ import numpy as np
 
 from taichiflap.variables import VARIABLES
 
+from . import wire
 from .colours import Theme, css
 from .frames import Array, Run
 from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback, beat_span
@@ -79,7 +80,7 @@ class Charts:
         self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
             handle = self.handles[quantity.name]
-            handle.data = self._data(quantity, playback.frame)
+            wire.send(handle, data=self._data(quantity, playback.frame))
             if fresh:
                 handle.scales = self._scales(quantity)
 

@@ -75,7 +75,7 @@ class Fields:
         self._limits: tuple[float, float] | None = None
         if run.has_wake:
             # Taichi takes a second to start, and holds up all else: now, before there is a page to hold up.
-            self._worker.submit(self._compute, 0)
+            self._worker.submit(_velocity, np.zeros((2, 1)), np.zeros((3, 1)), CORE)
 
     def ask(self, index: int) -> "Future[Flow]":
         """The flow of a frame, at once or as soon as it is computed."""
@@ -102,8 +102,6 @@ class Fields:
             self._worker.shutdown(wait=True, cancel_futures=True)
 
     def _compute(self, index: int) -> Flow:
-        from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - not for a result without a wake
-
         run, frame = self.run, self.run.frame(index)
         box = run.box + np.array([-ASIDE, -MARGIN, ASIDE, MARGIN])
         width, height = box[2:] - box[:2]
@@ -111,13 +109,19 @@ class Fields:
         shape = max(2, round(height / finest)), max(2, round(width / finest))
         right, up = np.meshgrid(*_axes(box, shape))
         core = max(CORE, run.case.uvlm.core) * run.chord
-        found = induced_velocity(np.stack((-up, right)) * run.chord, vortices(frame, run.chord), core)
+        found = _velocity(np.stack((-up, right)) * run.chord, vortices(frame, run.chord), core)
         stream_y, stream_z = run.case.fluid.velocity
         velocity = np.stack((found[1] + stream_z, -(found[0] + stream_y)))
         step = finest * run.chord
         # (right, up) is (Y, Z) turned by a quarter, so the curl keeps its sign.
         vorticity = np.gradient(velocity[1], step, axis=1) - np.gradient(velocity[0], step, axis=0)
         return Flow(box, velocity, vorticity)
+
+
+def _velocity(places: Array, sources: Array, core: float) -> Array:
+    from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - not for a result without a wake
+
+    return induced_velocity(places, sources, core)
 
 
 def vortices(frame: Frame, chord: float) -> Array:

@@ -40,7 +40,7 @@ class Frame:
 
     Attributes:
         index: number of the frame.
-        beats: time, in flapping periods; in durations of the run where nothing repeats.
+        text: its time in words.
         nodes: the deformed wing, leading to trailing edge, shape (node, 2).
         chord: both ends of the undeformed chord, shape (2, 2).
         axes: unit vectors of the wing frame: chordwise and normal, shape (2, 2).
@@ -54,7 +54,7 @@ class Frame:
     """
 
     index: int
-    beats: float
+    text: str
     nodes: Array
     chord: Array
     axes: Array
@@ -243,7 +243,7 @@ class Run:
         wake = result.wake(index)
         return Frame(
             index=index,
-            beats=index / self.frames_per_beat,
+            text="   ".join(filter(None, (self.when(index), self.half_stroke(index)))),
             nodes=_on_screen(nodes[:, 0], nodes[:, 1], scale),
             chord=pivot + np.outer((-self.case.wing.pivot, 1.0 - self.case.wing.pivot), along),
             axes=np.stack((along, across)),

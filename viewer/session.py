@@ -106,7 +106,7 @@ class Session:
             for actor in self.actors:
                 here = index if actor.run is self.run else actor.run.index_at(index / self.run.frames_per_beat)
                 actor.show(here, self.playback.layers)
-            text = self._tell_time(index)
+            text = self.run.frame(index).text
             self.stage.show(text, self.playback.layers["stroke"])
             now = time.monotonic()
             if not self.playback.playing or now - self._beside > BESIDE_SECONDS:
@@ -207,11 +207,6 @@ class Session:
         flow = self._flow
         shown = field.bar(self.playback.background, self.theme, self.fields.limits(flow)) if flow else None
         self.panel.legend.content = legend(self.runs, self.theme, shown)
-
-    def _tell_time(self, index: int) -> str:
-        text = self.run.when(index)
-        half = self.run.half_stroke(index)
-        return f"{text}   {half}" if half else text
 
     def _headline(self, text: str) -> str:
         milliseconds = 1e3 * self.playback.frame * self.run.case.step * self.run.case.output.every

@@ -1,28 +1,62 @@
 """What goes to a browser past viser's own handles: new values as they are, and scripts.
 
-viser casts, compares, copies and sends a property at a time, for each browser anew: more work than everything else
-that a frame asks for. What is drawn once for all browsers needs none of it, and goes out as one message a node.
+viser casts, compares, copies, looks up the type of and sends a value at a time, for each browser anew: more work than
+everything else that a frame asks for. What is drawn once for all browsers needs none of it, and goes out as one
+message a node, chart or control.
 """
 
+import dataclasses
+import functools
 from typing import Any
 
+import numpy as np
 import viser
 
 
 def send(handle: Any, **values: Any) -> None:
-    """Give a node of the scene new values in one message.
+    """Give a node of the scene, or a control or chart, new values in one message.
 
     Arrays have the type that viser keeps, and never change afterwards. The way in is private to viser: a version
     without it gets the values one by one, at a higher cost.
     """
     try:
-        queue = handle._impl.api._queue_scene_message
-        message = viser._messages.SceneNodeUpdateMessage(handle._impl.name, values)
+        inside, kinds = handle._impl, viser._messages
+        if hasattr(inside, "name"):
+            queue = inside.api._queue_scene_message
+            message = _plain(kinds.SceneNodeUpdateMessage)(inside.name, values)
+        else:
+            queue = inside.gui_api._websock_interface.queue_message
+            message = _plain(kinds.GuiUpdateMessage)(inside.uuid, values)
     except (AttributeError, TypeError):
         for name, value in values.items():
             setattr(handle, name, value)
     else:
         queue(message)
+
+
+@functools.cache
+def _plain(kind: type) -> Any:
+    """A kind of viser's messages that is packed as it is. viser overlooks kinds whose name begins so."""
+
+    names = [one.name for one in dataclasses.fields(kind)]
+
+    def pack(message: Any, buffers: list[memoryview] | None = None) -> dict[str, Any]:
+        if buffers is None:
+            return kind.as_serializable_dict(message) | {"type": kind.__name__}  # type: ignore[attr-defined]
+        packed = {name: _pack(value, buffers) for name, value in message.updates.items()}
+        return {name: getattr(message, name) for name in names} | {"updates": packed, "type": kind.__name__}
+
+    return type(f"_Plain{kind.__name__}", (kind,), {"as_serializable_dict": pack})
+
+
+def _pack(value: Any, buffers: list[memoryview]) -> Any:
+    """A value with its arrays put among the buffers, and their place there instead."""
+    if isinstance(value, np.ndarray):
+        buffers.append(value.data)
+        return {"__binary_index": len(buffers) - 1, "dtype": value.dtype.str}
+    if isinstance(value, tuple):
+        return tuple(_pack(part, buffers) for part in value)
+    return value
 
 
 def run(client: Any, script: str) -> bool:
