@@ -40,7 +40,7 @@ def _doing_again(part: str) -> Any:
         if ti.static(part == "convect"):
             for _ in range(AGAIN if n > 0 else 0):
                 # For no time at all, so that nothing moves.
-                wake.convect(batch.wake, batch.flow.bound, batch.flow.panels[b], batch.flow.stream, b, n, 0.0)
+                wake.convect(batch.wake, batch.flow.bound, batch.flow.panels[b], batch.flow.stream, b, n, 0.0, False)
         if ti.static(part == "assemble"):
             for _ in range(AGAIN):
                 lattice.assemble(batch.body, batch.flow, b, n)

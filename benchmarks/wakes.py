@@ -21,7 +21,11 @@ from .runs import hawkmoth
 
 SECTION = "Long wakes"
 SIZES = (200, 800, 3200, 12_800, 50_000)
-WAYS = {"direct": "uvlm.far_error=0.0", "tree, error 1e-3": "uvlm.far_error=1e-3"}
+WAYS = {
+    "direct": "uvlm.far_error=0.0",
+    "direct, single precision": "uvlm.precision=single",
+    "tree, error 1e-3": "uvlm.far_error=1e-3",
+}
 SECONDS = 0.2
 """About so long is a clocking, where one step is not longer."""
 

@@ -18,7 +18,7 @@ from .motion import typical_speed
 from .multipole import Tree, expand, induce_by_tree, octet_at
 from .runtime import LANE, Floats2, Floats3, Ints1, View, available_threads, tasks, ti, view
 from .vortex import CORE2, TINY, Y, Z, induce
-from .wake import BEFORE, CARRIED, COUNT, FAR_ERROR, Wake, carry, ring_size
+from .wake import BEFORE, CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow, ring_size
 
 WIDE = 3000
 """Vortices from which the sums of one case are worth all threads: above, they cost more than two kernel launches."""
@@ -44,6 +44,7 @@ class LongWakes:
         self._ends = np.array([case.steps for case in cases])
         self.first = int(self._starts.min())
         self._error = [case.uvlm.far_error and case.uvlm.far_error * typical_speed_of(case) for case in cases]
+        self._single = any(case.uvlm.precision == "single" for case in cases)
         self._tree: Any = None
 
     def __call__(self, n: int) -> None:
@@ -59,6 +60,8 @@ class LongWakes:
             _expand_all(self._tree, int(view(self._tree.leaves).max()), len(self._cases), self._lanes)
         blocks = octets(int(counts.max()))
         flow = self._flow
+        if self._single:
+            _narrow_all(self._wakes, self._ready, flow.bound, flow.panels)
         _carry_all(self._wakes, self._tree, self._ready, flow.bound, flow.panels, flow.stream, n, blocks, self._lanes)
 
     def _room(self) -> int:
@@ -92,6 +95,14 @@ def _expand_all(tree: Tree, leaves: ti.i32, cases: ti.i32, lanes: ti.i32):
 
 
 @ti.kernel
+def _narrow_all(wakes: Wake, ready: Ints1, bound: Floats3, panels: Ints1):
+    ti.loop_config(serialize=True)
+    for b in range(ready.shape[0]):
+        if ready[b] == 1 and wakes.setting[b, SINGLE] > 0.0:
+            narrow(wakes, bound, panels[b], b)
+
+
+@ti.kernel
 def _carry_all(
     wakes: Wake,
     tree: Tree,
@@ -110,7 +121,10 @@ def _carry_all(
                 b = (lane + m * lanes) // blocks
                 block = (lane + m * lanes) % blocks
                 if ready[b] == 1 and 8 * block < wakes.ring[b, COUNT]:
-                    if tree.count[b] == 0:
+                    if wakes.setting[b, SINGLE] > 0.0:
+                        if block % 2 == 0:
+                            carry_single(wakes, panels[b], stream, b, 8 * block)
+                    elif tree.count[b] == 0:
                         carry(wakes, bound, panels[b], stream, b, 8 * block)
                     else:
                         carry_by_tree(wakes, tree, bound, panels[b], stream, b, 8 * block)

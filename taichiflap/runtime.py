@@ -49,6 +49,9 @@ Octet: Any = ti.types.vector(8, ti.f64) if ti else None
 To LLVM it stays one vector; taken apart, as by Taichi's default, it is not put together again where it is stored. The
 price is that Taichi 1.7 cannot negate an octet, nor take one from a variable by `-=`: write `u = u - x`."""
 
+Sixteen: Any = ti.types.vector(16, ti.f32) if ti else None
+"""Sixteen numbers in single precision, for pair sums that need no more."""
+
 LANE = 512
 """Taichi runs a parallel loop of 512 iterations or fewer on one thread. Kernels therefore loop over
 `tasks * LANE` and let the first iteration of each lane do the lane's work."""

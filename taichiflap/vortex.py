@@ -7,17 +7,18 @@ is conserved.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .runtime import LANE, Floats3, Octet, View, start, tasks, ti
+from .runtime import LANE, Floats3, Octet, Sixteen, View, start, tasks, ti
 
 Y, Z, CIRCULATION, CORE2 = range(4)
 """Axes of an array of points or vortices, shape (case, axis, index): m, m, m2/s, and the squared core, m2."""
 
 INV_2PI = 1.0 / (2.0 * math.pi)
-TINY = 1e-300
+TINY, TINY_SINGLE = 1e-300, 1e-30
 """Squared core of a bare point: a vortex moves itself by 0 * 1e300 = 0 without a branch."""
 
 
@@ -28,28 +29,43 @@ def octet(x: View, b, axis, first):
 
 
 @ti.func
+def sixteen(x: View, b, axis, first):
+    """Sixteen neighbours of a (case, axis, index) array in single precision."""
+    return Sixteen([x[b, axis, first + lane] for lane in ti.static(range(16))])
+
+
+@ti.func
 def store_octet(x: View, b, axis, first, value):
     for lane in ti.static(range(8)):
         x[b, axis, first + lane] = value[lane]
 
 
-@ti.func
-def induce(y, z, core2, vortices: View, b, first, last):
-    """Velocity (m/s) at eight points `y`, `z` of squared cores `core2` from vortices `first` to `last - 1` of case `b`.
+def _sum_over(lanes: Any) -> Any:
+    """The sum for as many points at a time as a vector type has lanes, in its precision."""
 
-    `vortices` has shape (case, 4, vortex); `core2` is at least `TINY`, the core of a bare point. Eight targets at a
-    time fill the vector unit without reordering any sum, so the result is independent of the machine's vector width,
-    and of the points beside which a point happens to stand.
-    """
-    u_y = Octet(0.0)
-    u_z = Octet(0.0)
-    for j in range(first, last):
-        dy = y - vortices[b, Y, j]
-        dz = z - vortices[b, Z, j]
-        strength = vortices[b, CIRCULATION, j] / (dy * dy + dz * dz + (core2 + vortices[b, CORE2, j]))
-        u_y = u_y - dz * strength
-        u_z += dy * strength
-    return u_y * INV_2PI, u_z * INV_2PI
+    @ti.func
+    def induce(y, z, core2, vortices: View, b, first, last):
+        """Velocity (m/s) at points `y`, `z` of squared cores `core2` from vortices `first` to `last - 1` of case `b`.
+
+        `vortices` has shape (case, 4, vortex); `core2` is at least that of a bare point. As many targets at a time as
+        fill the vector unit, without reordering any sum: the result is independent of the machine's vector width, and
+        of the points beside which a point happens to stand.
+        """
+        u_y = lanes(0.0)
+        u_z = lanes(0.0)
+        for j in range(first, last):
+            dy = y - vortices[b, Y, j]
+            dz = z - vortices[b, Z, j]
+            strength = vortices[b, CIRCULATION, j] / (dy * dy + dz * dz + (core2 + vortices[b, CORE2, j]))
+            u_y = u_y - dz * strength
+            u_z = u_z + dy * strength
+        return u_y * lanes(INV_2PI), u_z * lanes(INV_2PI)
+
+    return induce
+
+
+induce = _sum_over(Octet)
+induce_single = _sum_over(Sixteen)
 
 
 @ti.kernel

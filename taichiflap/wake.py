@@ -12,10 +12,22 @@ import numpy as np
 
 from .body import array, zeros
 from .case import Case
-from .linear import octets
-from .runtime import Floats2, Floats3, Ints2, View, ti
+from .runtime import Floats2, Floats3, Ints2, Singles3, View, ti
 from .spacing import SHARE
-from .vortex import CIRCULATION, CORE2, TINY, Y, Z, induce, octet, store_octet
+from .vortex import (
+    CIRCULATION,
+    CORE2,
+    TINY,
+    TINY_SINGLE,
+    Sixteen,
+    Y,
+    Z,
+    induce,
+    induce_single,
+    octet,
+    sixteen,
+    store_octet,
+)
 
 LEAST_TRAVEL = 2e-4
 """Least distance, in chords, of a new vortex behind the trailing edge: at stroke reversal the travel vanishes."""
@@ -24,12 +36,12 @@ KEEP, COUNT, OLDEST, YOUNGEST, CARRIED, CROSSINGS = range(6)
 """Entries of a ring: its size, how many vortices it holds, the places of the first and last shed, the step for which
 the velocities are known beforehand, and how often a vortex has come upon the wing."""
 
-ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, FADE, REFLECTS = range(9)
+ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, FADE, REFLECTS, SINGLE = range(10)
 """Settings of a wake: where new vortices stand on the trailing edge's path during a step (0: at a fixed distance);
 that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
 (Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start);
 whether a full ring absorbs (1) or drops (0); how near to the wing that is avoided, m; what is left after a step of what
-was lost; whether the wing keeps vortices on their side (1)."""
+was lost; whether the wing keeps vortices on their side (1); whether pairs are summed in single precision (1)."""
 DROPPED, FAR_ERROR = 2, 3
 """Columns of the tally, after the velocity at the wing of what was dropped or absorbed, m/s, along Y and Z: circulation
 of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
@@ -40,9 +52,10 @@ BEFORE = 2
 
 Wake = ti.types.argpack(
     ring=Ints2,
-    setting=Floats2,  # (case, 9), see the names of its columns
+    setting=Floats2,  # (case, 10), see the names of its columns
     vortex=Floats3,  # (case, 5, place), see taichiflap.vortex; and how far above the wing it stands, m (0: beside it)
     velocity=Floats3,  # (case, 4, place): that of the vortices in the last step, and one step earlier
+    single=Singles3,  # (case, 4, index): bound vortices and then the wake's, where pairs are summed in single precision
     birth=Ints2,  # step of shedding
     tally=Floats2,
 )
@@ -51,12 +64,16 @@ Wake = ti.types.argpack(
 def allocate(cases: Sequence[Case]) -> Any:
     """Empty wakes of a batch."""
     keep = [ring_size(case) for case in cases]
-    count, most = len(cases), 8 * octets(max(keep))
+    single = any(case.uvlm.precision == "single" for case in cases)
+    panels = max(case.uvlm.panels for case in cases)
+    # Sums fill eight places at a time, or sixteen.
+    count, most = len(cases), 16 * -(-max(keep) // 16)
     return Wake(
         ring=array([[size, 0, 0, 0, 0, 0] for size in keep]),
         setting=array([_settings(case) for case in cases]),
         vortex=zeros(ti.f64, count, 5, most),
         velocity=zeros(ti.f64, count, 4, most),
+        single=zeros(ti.f32, count, 4, most + panels if single else 1),
         birth=zeros(ti.i32, count, most),
         tally=zeros(ti.f64, count, 4),
     )
@@ -75,6 +92,7 @@ def _settings(case: Case) -> list[float]:
         uvlm.absorb_beyond * chord,
         math.exp(-case.step / case.beat),
         float(uvlm.crossing == "reflect"),
+        float(uvlm.precision == "single"),
     ]
 
 
@@ -119,15 +137,54 @@ def carry(wake: View, bound: View, panels, stream: View, b, first):
 
 
 @ti.func
-def convect(wake: View, bound: View, panels, stream: View, b, n, dt):
+def narrow(wake: View, bound: View, panels, b):
+    """Copy the bound vortices and the wake's to where they are summed in single precision."""
+    for row in range(CORE2 + 1):
+        for i in range(panels):
+            wake.single[b, row, i] = ti.cast(bound[b, row, i], ti.f32)
+        for i in range(wake.ring[b, COUNT]):
+            wake.single[b, row, panels + i] = ti.cast(wake.vortex[b, row, i], ti.f32)
+
+
+@ti.func
+def carry_single(wake: View, panels, stream: View, b, first):
+    """As `carry`, for sixteen wake vortices in single precision."""
+    y = sixteen(wake.single, b, Y, panels + first)
+    z = sixteen(wake.single, b, Z, panels + first)
+    core2 = sixteen(wake.single, b, CORE2, panels + first) + Sixteen(TINY_SINGLE)
+    u_y, u_z = induce_single(y, z, core2, wake.single, b, 0, panels + wake.ring[b, COUNT])
+    for lane in ti.static(range(16)):
+        for axis in ti.static(range(2)):
+            wake.velocity[b, BEFORE + axis, first + lane] = wake.velocity[b, axis, first + lane]
+        wake.velocity[b, Y, first + lane] = ti.cast(u_y[lane], ti.f64) + stream[b, Y]
+        wake.velocity[b, Z, first + lane] = ti.cast(u_z[lane], ti.f64) + stream[b, Z]
+
+
+@ti.func
+def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
+    """Velocity of all wake vortices; the kernel holds the sums in single precision only where a case wants them."""
+    count = wake.ring[b, COUNT]
+    narrowed = 0
+    if ti.static(single):
+        if wake.setting[b, SINGLE] > 0.0:
+            narrowed = 1
+            narrow(wake, bound, panels, b)
+            for block in range((count + 15) // 16):
+                carry_single(wake, panels, stream, b, 16 * block)
+    if narrowed == 0:
+        for block in range((count + 7) // 8):
+            carry(wake, bound, panels, stream, b, 8 * block)
+
+
+@ti.func
+def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: View):
     """Carry every wake vortex from step `n - 1` to `n`.
 
     A vortex just shed has no velocity of an earlier step: it takes Euler's step, once.
     """
     count = wake.ring[b, COUNT]
     if wake.ring[b, CARRIED] != n:
-        for block in range((count + 7) // 8):
-            carry(wake, bound, panels, stream, b, 8 * block)
+        carry_all(wake, bound, panels, stream, b, single)
     for i in range(count):
         moved2 = 0.0
         for axis in range(2):

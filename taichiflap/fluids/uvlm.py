@@ -48,6 +48,7 @@ class Uses:
 
     suction: bool
     loads_at_vortices: bool
+    single_precision: bool
 
 
 def uses(cases: Sequence[Case]) -> Uses:
@@ -55,6 +56,7 @@ def uses(cases: Sequence[Case]) -> Uses:
     return Uses(
         suction=any(case.uvlm.suction for case in cases),
         loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
+        single_precision=any(case.uvlm.precision == "single" for case in cases),
     )
 
 
@@ -209,7 +211,8 @@ def prepare(batch: View, b, n, rule, used: View):
     """Geometry and circulation of the coming step `n`, linear in the modal acceleration; its modal force."""
     panels = batch.flow.panels[b]
     if n > 0:
-        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, batch.body.dt[b])
+        dt = batch.body.dt[b]
+        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, dt, used.single_precision)
     lattice.lay_panels(batch.body, batch.flow, b, n)
     lattice.guard(batch.body, batch.flow, batch.wake, b, n)
     lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n)

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from ..keys import Section, key
 
@@ -55,6 +55,10 @@ class Uvlm(Section):
     core_growth: float = key(
         0.1, text="growth of a new vortex's core over the way it moves, until it is full; 0: full at once", ge=0, le=100
     )
+    precision: Literal["double", "single"] = key(
+        "double",
+        text="of the sums over pairs of wake vortices: single is quicker, and good to about five digits",
+    )
     far_error: float = key(
         0.0,
         text="error allowed in the velocity of a wake vortex, as a share of the trailing edge's typical speed, for the "
@@ -62,3 +66,9 @@ class Uvlm(Section):
         ge=0,
         le=0.1,
     )
+
+    @model_validator(mode="after")
+    def _one_saving(self) -> "Uvlm":
+        if self.far_error and self.precision == "single":
+            raise ValueError('far_error sums in double precision; give far_error = 0 or precision = "double"')
+        return self
