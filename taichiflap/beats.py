@@ -11,6 +11,8 @@ from .results import Result
 
 BLUR = 1e-6
 """Differences between beats below this share of the force's root mean square are none."""
+SAME_TIME = 5e-10
+"""Two times that are closer, in beats, are one."""
 
 Array = NDArray[np.float64]
 
@@ -47,8 +49,8 @@ class Beats:
         return np.add.reduceat(values[..., : self.edges[-1]], self.edges[:-1], axis=-1) / np.diff(self.edges)
 
     def peaks(self, values: Array) -> Array:
-        """Largest magnitude in each beat of values of all frames, shape (beats,)."""
-        return np.maximum.reduceat(np.abs(values[: self.edges[-1]]), self.edges[:-1])
+        """Largest magnitude in each beat of values of all frames, along the last axis; shape (..., beats)."""
+        return np.maximum.reduceat(np.abs(values[..., : self.edges[-1]]), self.edges[:-1], axis=-1)
 
     def mean_forces(self, result: Result) -> Array:
         """Mean force vector of each beat, N, shape (2, beats)."""
@@ -62,9 +64,9 @@ class Beats:
 
 def whole_beats(case: Case, time: Array) -> Beats:
     """The whole beats of a run: the frames of each are those after its start, up to and with its end."""
-    turns = np.round(time / case.beat, 9)
-    count = int(turns[-1]) if len(turns) else 0
-    return Beats(np.unique(np.searchsorted(turns, np.arange(count + 1), side="right")))
+    count = int(time[-1] / case.beat + SAME_TIME) if len(time) else 0
+    ends = case.beat * (np.arange(count + 1) + SAME_TIME)
+    return Beats(np.unique(np.searchsorted(time, ends, side="right")))
 
 
 def settled_beats(result: Result) -> Beats:
@@ -76,11 +78,11 @@ def settled_beats(result: Result) -> Beats:
     beats = whole_beats(result.case, result.time)
     if len(beats) < 2:
         return beats
-    forces, blur = beats.mean_forces(result), BLUR * beats.force_size(result)
-    errors = []
-    for dropped in range(len(beats) // 2 + 1):
-        kept = forces[:, dropped:]
-        count = kept.shape[1]
-        scatter = float(np.sum((kept - kept.sum(axis=1, keepdims=True) / count) ** 2))
-        errors.append((scatter + count * blur**2) / count**2)
-    return beats.after(int(np.argmin(errors)))
+    forces, size = beats.mean_forces(result), beats.force_size(result)
+    most = len(beats) // 2
+    # Sums over what is left, of the difference from the mean of the later half: no digits go to a large common part.
+    apart = (forces - forces[:, most:].mean(axis=1, keepdims=True))[:, ::-1]
+    count = np.arange(1, len(beats) + 1)
+    scatter = np.sum(np.cumsum(apart**2, axis=1) - np.cumsum(apart, axis=1) ** 2 / count, axis=0)
+    errors = ((scatter + count * (BLUR * size) ** 2) / count**2)[::-1]
+    return beats.after(int(np.argmin(errors[: most + 1])))

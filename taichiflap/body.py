@@ -53,10 +53,17 @@ GIVEN = ("motion",)
 
 
 def sample_motions(cases: Sequence[Case]) -> np.ndarray:
-    """The motion of every case at all its steps, shape (cases, steps + 1, 6)."""
-    sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, 6))
+    """The motion of every case at all its steps, shape (cases, steps + 1, 8): see `COSINE`."""
+    sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, 8))
+    known: dict[Any, np.ndarray] = {}
     for row, case in zip(sampled, cases, strict=True):
-        row[: case.steps + 1] = motion.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
+        moving, moment = row[: case.steps + 1], (case.motion, case.steps, case.step)
+        if moment in known:  # in a study often only the wing varies
+            moving[:] = known[moment]
+            continue
+        moving[:, :COSINE] = motion.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
+        moving[:, COSINE], moving[:, SINE] = np.cos(moving[:, PITCH]), np.sin(moving[:, PITCH])
+        known[moment] = moving
     return sampled
 
 
@@ -75,7 +82,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.
         every=array([case.output.every for case in cases]),
         failed=array([-1] * count),
         dt=array([case.step for case in cases], float),
-        motion=array(np.dstack((motions, np.cos(motions[..., PITCH]), np.sin(motions[..., PITCH])))),
+        motion=array(motions),
         constant=array(constant),
         q=zeros(ti.f64, count, 3, most),
         q_before=zeros(ti.f64, count, 2, most),

@@ -156,8 +156,27 @@ class Case(Section):
         Raises:
             CaseError: with every problem found.
         """
-        document = apply_settings(self.to_dict(), settings, "override")
-        return parse_case({**document, **named}, "override")
+        return parse_case({**apply_settings(self._opened(settings), settings, "override"), **named}, "override")
+
+    def changed(self, values: Mapping[str, Any], source: str = "changed") -> "Case":
+        """A copy with the values of some dotted keys changed; what it does not touch is not checked again.
+
+        Raises:
+            CaseError: with every problem found.
+        """
+        document = self._opened(values)
+        problems = [
+            f"{key}: {hit} is a value, not a table" for key in values if (hit := _place(document, key, values[key]))
+        ]
+        if problems:
+            raise CaseError(source, problems)
+        return parse_case(document, source)
+
+    def _opened(self, keys: Iterable[str]) -> dict[str, Any]:
+        """The case by section: as plain values where a key begins with its name, else as it is, checked already."""
+        names = {key.partition(".")[0].partition("=")[0].strip() for key in keys}
+        opened = self.model_dump(mode="json", exclude_none=True, include=names)
+        return {name: opened.get(name, value) for name, value in self if value is not None}
 
     def to_dict(self) -> dict[str, Any]:
         """The case as plain dictionaries, lists and numbers."""
@@ -233,16 +252,8 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
         except ValueError as error:
             problems.append(f"--set {setting}: {error}")
             continue
-        *tables, last = key.split(".")
-        table = changed
-        for name in tables:
-            inner = table.setdefault(name, {})
-            if not isinstance(inner, dict):
-                problems.append(f"--set {setting}: {name} is a value, not a table")
-                break
-            table = inner
-        else:
-            table[last] = value
+        if hit := _place(changed, key, value):
+            problems.append(f"--set {setting}: {hit} is a value, not a table")
     if problems:
         raise CaseError(source, problems)
     return changed
@@ -266,6 +277,17 @@ def case_schema() -> dict[str, Any]:
     """JSON schema of a case file, for editors and validators."""
     schema = Case.model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _place(document: dict[str, Any], key: str, value: Any) -> str:
+    """Set the value of a dotted key; returns the name of what on the way to it is no table, if something is."""
+    *tables, last = key.split(".")
+    for name in tables:
+        document = document.setdefault(name, {})
+        if not isinstance(document, dict):
+            return name
+    document[last] = value
+    return ""
 
 
 def _copy(document: Mapping[str, Any]) -> dict[str, Any]:

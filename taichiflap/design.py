@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .case import Case, apply_settings, parse_case, read_value
+from .case import Case, read_value
 from .errors import UserError
 
 MOST_CASES = 10_000_000
@@ -68,14 +68,13 @@ class Design:
         """What makes the base case into case `number`, as `--set` takes it."""
         return [f"{key}={value}" for key, value in self.point(number).items()]
 
-    def case(self, document: Mapping[str, Any], number: int) -> Case:
-        """Case `number`, from the base case as nested dictionaries.
+    def case(self, base: Case, number: int) -> Case:
+        """Case `number`: the base case with the values of this point.
 
         Raises:
             CaseError: when these values do not go together.
         """
-        settings = self.settings(number)
-        return parse_case(apply_settings(document, settings, "--vary"), ", ".join(settings))
+        return _changed(base, self.point(number), ", ".join(self.settings(number)))
 
     def check(self, case: Case) -> None:
         """Check every key, and the ends of its range, before anything runs.
@@ -83,13 +82,11 @@ class Design:
         Raises:
             CaseError: for an unknown key, or a value that it cannot take.
         """
-        document = case.to_dict()
         first = {axis.key: axis.values[0] for axis in self.axes}
         for axis in self.axes:
             ends = (min(axis.values), max(axis.values)) if axis.numeric else dict.fromkeys(axis.values)
             for value in ends:
-                settings = [f"{key}={one}" for key, one in {**first, axis.key: value}.items()]
-                parse_case(apply_settings(document, settings, "--vary"), "--vary")
+                _changed(case, {**first, axis.key: value}, "--vary")
 
 
 def design(case: Case, vary: Mapping[str, Any], sample: str | None = None, seed: int = 0) -> Design:
@@ -240,6 +237,10 @@ def _unit_points(sample: str, dimensions: int, seed: int) -> np.ndarray:
         near = f"{2**power} or {2 ** (power + 1)}"
         raise DesignError(f"--sample {sample}: Sobol points come in powers of two; take {near}")
     return qmc.Sobol(dimensions, seed=seed).random_base2(power)
+
+
+def _changed(base: Case, point: Mapping[str, Value], source: str) -> Case:
+    return base.changed({key: read_value(v) if isinstance(v, str) else v for key, v in point.items()}, source)
 
 
 def _held(document: Mapping[str, Any], key: str) -> Any:

@@ -1,7 +1,9 @@
 """What a run amounts to: means over its settled beats and their spread, harmonics and phase, peaks, power."""
 
+import functools
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,7 @@ from .beats import Beats, settled_beats
 from .case import Case
 from .motion import PITCH, PLUNGE
 from .results import Result
+from .sections.motion import Motion
 
 REPEATS_WITHIN = 0.01
 """A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
@@ -18,6 +21,15 @@ FEWEST_BEATS = 3
 """Settled beats that it takes to say so."""
 MOMENTS = 512
 """Times a beat at which the motion is looked at."""
+RESOLVED = 1e-12
+"""Two times (beats) that are closer are one."""
+MEANS = (
+    "force_vertical", "force_vertical_normal", "force_normal", "force_axial", "force_y", "force_z", "moment",
+    "tip_deflection", "power", "power_aerodynamic", "power_inertial",
+)  # fmt: skip
+"""Variables of which a summary has the mean over each beat."""
+WAVING, ORDERS = ("force_normal", "force_vertical", "tip_deflection"), 3
+"""Variables of which it has so many harmonics."""
 
 Array = NDArray[np.float64]
 
@@ -30,15 +42,17 @@ class Statistic:
     spread: float
 
     @classmethod
-    def over(cls, values: Array) -> "Statistic":
-        """Statistic of one value a beat."""
-        mean = float(values.sum()) / len(values)
-        return cls(mean, math.sqrt(float(((values - mean) ** 2).sum()) / len(values)))
+    def each(cls, values: Array) -> list["Statistic"]:
+        """Statistics of several quantities, each with one value a beat: shape (quantities, beats)."""
+        count = values.shape[1]
+        means = values.sum(axis=1) / count
+        spreads = np.sqrt(((values - means[:, None]) ** 2).sum(axis=1) / count)
+        return [cls(*pair) for pair in zip(means.tolist(), spreads.tolist(), strict=True)]
 
 
 @dataclass(frozen=True)
 class Summary:
-    """Settled behaviour of a run. SI units; `phase` in degrees; times as fractions of the period.
+    """Settled behaviour of a run. Each quantity is annotated with its units; times are fractions of the period.
 
     Of a motion that has no frequency the whole run counts as one beat.
 
@@ -50,6 +64,7 @@ class Summary:
             force's root mean square.
         force_spread: standard deviation of the mean force of these beats, as such a share.
         force_vertical, force_vertical_normal: mean vertical force, full vector and e_z component alone.
+        force_normal, force_axial, force_y, force_z, moment, tip_deflection: means of these variables.
         lift, thrust: mean force across a free stream, a quarter turn counter-clockwise from it (along Z for one along
             Y), and against it; None without a stream.
         force_normal_peak: largest magnitude of the normal force.
@@ -65,28 +80,37 @@ class Summary:
         wake_far_error: largest error found in a wake vortex's velocity by multipoles, m/s; None where every pair is
             summed.
         wake_crossings: how often a wake vortex came upon the wing, in the whole run; None without a wake.
+        harmonics: complex amplitudes of the first harmonics of some variables, see `harmonics`; empty where nothing
+            repeats.
     """
 
-    beats: int
-    settled: bool | None
-    force_drift: float
-    force_spread: float
-    force_vertical: Statistic
-    force_vertical_normal: Statistic
-    lift: Statistic | None
-    thrust: Statistic | None
-    force_normal_peak: Statistic
-    force_normal_phase: float | None
-    tip_peak: Statistic
-    tip_peak_time: float
-    tip_peak_after_reversal: float | None
-    power: Statistic
-    power_aerodynamic: Statistic
-    power_inertial: Statistic
-    power_positive: Statistic
-    wake_lost: float | None
-    wake_far_error: float | None
-    wake_crossings: int | None
+    beats: Annotated[int, "1"]
+    settled: Annotated[bool | None, "1"]
+    force_drift: Annotated[float, "1"]
+    force_spread: Annotated[float, "1"]
+    force_vertical: Annotated[Statistic, "N"]
+    force_vertical_normal: Annotated[Statistic, "N"]
+    force_normal: Annotated[Statistic, "N"]
+    force_axial: Annotated[Statistic, "N"]
+    force_y: Annotated[Statistic, "N"]
+    force_z: Annotated[Statistic, "N"]
+    lift: Annotated[Statistic | None, "N"]
+    thrust: Annotated[Statistic | None, "N"]
+    force_normal_peak: Annotated[Statistic, "N"]
+    force_normal_phase: Annotated[float | None, "degree"]
+    moment: Annotated[Statistic, "N m"]
+    tip_deflection: Annotated[Statistic, "m"]
+    tip_peak: Annotated[Statistic, "m"]
+    tip_peak_time: Annotated[float, "1"]
+    tip_peak_after_reversal: Annotated[float | None, "1"]
+    power: Annotated[Statistic, "W"]
+    power_aerodynamic: Annotated[Statistic, "W"]
+    power_inertial: Annotated[Statistic, "W"]
+    power_positive: Annotated[Statistic, "W"]
+    wake_lost: Annotated[float | None, "1"]
+    wake_far_error: Annotated[float | None, "m s-1"]
+    wake_crossings: Annotated[int | None, "1"]
+    harmonics: dict[str, list[complex]]
 
 
 def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
@@ -100,39 +124,36 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
     beats = settled_beats(result) if beats is None else beats
     if not beats:
         return None
-
-    def mean(values: Array) -> Statistic:
-        return Statistic.over(beats.means(values))
-
-    def peak(values: Array) -> Statistic:
-        return Statistic.over(beats.peaks(values))
-
-    tip, normal, power = result.tip_deflection, result.force_normal, result.power
-    peak_time = float(time[beats.last][np.argmax(np.abs(tip[beats.last]))]) / case.beat
+    series = {name: getattr(result, name) for name in MEANS}
+    tip, normal = series["tip_deflection"], series["force_normal"]
+    of_beats = dict(zip(series, beats.means(np.stack(list(series.values()))), strict=True))
+    of_beats["power_positive"] = beats.means(np.maximum(series["power"], 0.0))
     speed = math.hypot(*case.fluid.velocity)
-    stream_y, stream_z = (component / speed if speed else 0.0 for component in case.fluid.velocity)
-    drift, spread = _unrest(beats.mean_forces(result), beats.force_size(result))
+    if speed:
+        stream_y, stream_z = (component / speed for component in case.fluid.velocity)
+        of_beats["lift"] = of_beats["force_z"] * stream_y - of_beats["force_y"] * stream_z
+        of_beats["thrust"] = -(of_beats["force_y"] * stream_y + of_beats["force_z"] * stream_z)
+    of_beats["force_normal_peak"], of_beats["tip_peak"] = beats.peaks(np.stack((normal, tip)))
+    found = dict(zip(of_beats, Statistic.each(np.stack(list(of_beats.values()))), strict=True))
+    lift, thrust = found.pop("lift", None), found.pop("thrust", None)
+    peak_time = float(time[beats.last][np.argmax(np.abs(tip[beats.last]))]) / case.beat
+    drift, spread = _unrest(np.stack((of_beats["force_y"], of_beats["force_z"])), beats.force_size(result))
+    waves = _waves(case, time, series, beats.frames) if case.periodic else {}
     return Summary(
+        **found,
+        lift=lift,
+        thrust=thrust,
         beats=len(beats),
         settled=len(beats) >= FEWEST_BEATS and max(drift, spread) <= REPEATS_WITHIN if case.periodic else None,
         force_drift=drift,
         force_spread=spread,
-        force_vertical=mean(result.force_vertical),
-        force_vertical_normal=mean(result.force_vertical_normal),
-        lift=mean(result.force_z * stream_y - result.force_y * stream_z) if speed else None,
-        thrust=mean(-(result.force_y * stream_y + result.force_z * stream_z)) if speed else None,
-        force_normal_peak=peak(normal),
-        force_normal_phase=_phase(case, time, normal, beats) if case.periodic else None,
-        tip_peak=peak(tip),
+        force_normal_phase=_phase(case, float(time[beats.frames][-1]), waves["force_normal"][0]) if waves else None,
         tip_peak_time=_fraction(peak_time, 1.0) if case.periodic else peak_time,
         tip_peak_after_reversal=after_reversal(case, peak_time),
-        power=mean(power),
-        power_aerodynamic=mean(result.power_aerodynamic),
-        power_inertial=mean(result.power_inertial),
-        power_positive=mean(np.maximum(power, 0.0)),
         wake_lost=_wake_lost(result, beats.frames) if "wake_lost" in result.variables else None,
         wake_far_error=float(result.wake_far_error[-1]) if "wake_far_error" in result.variables else None,
         wake_crossings=int(result.wake_crossings[-1]) if "wake_crossings" in result.variables else None,
+        harmonics=waves,
     )
 
 
@@ -166,12 +187,16 @@ def harmonics(case: Case, time: Array, values: Array, count: int) -> NDArray[np.
     Returns:
         Shape (count, ...), as the other axes of `values`.
     """
-    turn = np.exp(-2j * math.pi / case.beat * time)
-    found, power = [], turn
-    for _ in range(count):
-        found.append(2.0 * np.mean(values * power, axis=-1))
-        power = power * turn
-    return np.array(found)
+    angle = 2.0 * math.pi / case.beat * time
+    turn = np.cos(angle) - 1j * np.sin(angle)
+    powers = np.empty((count, len(time)), np.complex128)
+    powers[0] = turn
+    for n in range(1, count):
+        np.multiply(powers[n - 1], turn, out=powers[n])
+    # Real and imaginary part apart: einsum's sums of real numbers are several times faster, and need no BLAS,
+    # whose rounding goes by the number of its threads.
+    parts = (np.einsum("...t,nt->n...", values, part) for part in (powers.real.copy(), powers.imag.copy()))
+    return (next(parts) + 1j * next(parts)) * (2.0 / len(time))
 
 
 def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
@@ -187,19 +212,38 @@ def reversals(case: Case, first: float, last: float) -> Array:
 
 def after_reversal(case: Case, beats: float) -> float | None:
     """Time (beats) from the last stroke reversal to a time (beats); None if there was none within a beat."""
-    found = reversals(case, max(0.0, beats - 1.0), beats)
-    return max(0.0, beats - float(found[-1])) if len(found) else None
+    # Of whole beats: the cases of a study have them in common.
+    whole = math.floor(beats) if case.periodic else 0
+    step = case.beat / MOMENTS if case.periodic else case.step
+    found = _reversals(case.motion, max(whole - 1, 0) * case.beat, (whole + 1) * case.beat, step) / case.beat
+    before = found[(found > beats - 1.0 - RESOLVED) & (found < beats + RESOLVED)]
+    return max(0.0, beats - float(before[-1])) if len(before) else None
 
 
-def _phase(case: Case, time: Array, values: Array, beats: Beats) -> float | None:
-    frames = beats.frames
-    moments = case.beat * (round(float(time[frames][-1]) / case.beat) - np.arange(MOMENTS) / MOMENTS)
-    moved = motion.sample(case.motion, moments)
+_reversals = functools.lru_cache(maxsize=64)(motion.reversals)
+
+
+def _waves(case: Case, time: Array, series: dict[str, Array], frames: slice) -> dict[str, list[complex]]:
+    found = harmonics(case, time[frames], np.stack([series[name][frames] for name in WAVING]), ORDERS)
+    return dict(zip(WAVING, found.T.tolist(), strict=True))
+
+
+def _phase(case: Case, last: float, force: complex) -> float | None:
+    """Degrees by which a first harmonic, up to the time `last` (s), leads that of what drives the wing."""
+    driver = _driver(case.motion, case.beat, round(last / case.beat))
+    return None if driver is None else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
+
+
+@functools.lru_cache(maxsize=64)
+def _driver(moves: Motion, beat: float, count: int) -> complex | None:
+    """First harmonic of the plunge (of the pitch, if there is none) in the last of `count` beats, s each."""
+    turns = count - np.arange(MOMENTS) / MOMENTS
+    moved = motion.sample(moves, beat * turns)
+    turn = np.exp(-2j * math.pi * turns)
     for axis in (PLUNGE, PITCH):
-        driver = harmonic(case, moments, moved[:, axis])
-        if abs(driver) > motion.NOISE * np.abs(moved[:, axis]).max():
-            advance = np.angle(harmonic(case, time[frames], values[frames]) / driver, deg=True)
-            return 180.0 - (180.0 - float(advance)) % 360.0
+        first = complex(2.0 * np.mean(moved[:, axis] * turn))
+        if abs(first) > motion.NOISE * np.abs(moved[:, axis]).max():
+            return first
     return None
 
 

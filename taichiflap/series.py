@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .beam import Modes
-from .body import ACCEL, AMPLITUDE, AXIAL, MOMENT, NORMAL, RATE, UNSTEADY
+from .body import ACCEL, AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
 from .case import Case
-from .motion import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE
+from .motion import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
 
 Array = NDArray[np.float64]
 
@@ -18,49 +18,52 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
 
     Args:
         nodes: positions of the nodes along the chord, from the pivot, m.
-        motion: sampled motion at every step, shape (steps + 1, 6).
+        motion: as a march samples it, at every step, shape (steps + 1, 8).
         frames: what `March.advance` returned for the case.
     """
     state = frames["q"]
-    moved = motion[frames["step"]]
-    theta = moved[:, PITCH]
-    cosine, sine = np.cos(theta), np.sin(theta)
-    normal, axial = frames["force"][:, NORMAL], frames["force"][:, AXIAL]
-    force_y = axial * cosine - normal * sine
-    force_z = axial * sine + normal * cosine
-    aerodynamic = -(force_z * moved[:, PLUNGE_RATE] + frames["force"][:, MOMENT] * moved[:, PITCH_RATE])
-    inertial = inertial_power(section, moved, state)
+    series = over_time(case, section, motion, frames)
+    cosine, sine = (motion[frames["step"], column, None] for column in (COSINE, SINE))
     deflection = _superpose(section.shape(nodes), state[:, AMPLITUDE])
-    derived = {
-        "time": case.step * frames["step"],
-        "plunge": moved[:, PLUNGE],
-        "pitch": theta,
+    along, across = cosine * nodes - sine * deflection, sine * nodes + cosine * deflection
+    fields = {
         "q": state[:, AMPLITUDE],
         "q_rate": state[:, RATE],
         "q_acceleration": state[:, ACCEL],
-        "modal_force": frames["modal_force"],
-        "tip_deflection": _superpose(section.shape([case.wing.chord]), state[:, AMPLITUDE])[:, 0],
+        "node_position": np.stack((along, series["plunge"][:, None] + across), axis=2),
+    }
+    return series | fields | {name: values for name, values in frames.items() if name not in ("step", "q", "force")}
+
+
+def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Array]:
+    """The variables that have one value a frame; arguments as of `derive`."""
+    state = frames["q"]
+    moved = np.ascontiguousarray(motion[frames["step"]].T)
+    cosine, sine = moved[COSINE], moved[SINE]
+    force = np.ascontiguousarray(frames["force"].T)
+    normal, axial, moment = force[NORMAL], force[AXIAL], force[MOMENT]
+    force_y = axial * cosine - normal * sine
+    vertical_normal = normal * sine
+    force_z = axial * sine + normal * cosine
+    aerodynamic = -(force_z * moved[PLUNGE_RATE] + moment * moved[PITCH_RATE])
+    inertial = inertial_power(section, moved.T, state)
+    return {
+        "time": case.step * frames["step"],
+        "plunge": moved[PLUNGE],
+        "pitch": moved[PITCH],
+        "tip_deflection": _weighted(section.shape([case.wing.chord])[:, 0], state[:, AMPLITUDE].T),
         "force_normal": normal,
         "force_axial": axial,
-        "force_normal_unsteady": frames["force"][:, UNSTEADY],
+        "force_normal_unsteady": force[UNSTEADY],
         "force_y": force_y,
         "force_z": force_z,
         "force_vertical": -force_y,
-        "force_vertical_normal": normal * sine,
-        "moment": frames["force"][:, MOMENT],
+        "force_vertical_normal": vertical_normal,
+        "moment": moment,
         "power": aerodynamic + inertial,
         "power_aerodynamic": aerodynamic,
         "power_inertial": inertial,
-        "node_position": np.stack(
-            (
-                cosine[:, None] * nodes - sine[:, None] * deflection,
-                moved[:, PLUNGE, None] + sine[:, None] * nodes + cosine[:, None] * deflection,
-            ),
-            axis=2,
-        ),
     }
-    fields = {name: values for name, values in frames.items() if name not in ("step", "q", "force")}
-    return derived | fields
 
 
 def inertial_power(section: Modes, motion: Array, state: Array) -> Array:
@@ -70,13 +73,11 @@ def inertial_power(section: Modes, motion: Array, state: Array) -> Array:
     Appendix A (whose T6 lacks its factor thetadot), times the plunge and pitch rates.
 
     Args:
-        motion: shape (frames, 6).
+        motion: as a march samples it, shape (frames, 8).
         state: modal state, shape (frames, 3, modes).
     """
-    rate, accel = motion[:, PLUNGE_RATE], motion[:, PLUNGE_ACCEL]
-    theta_rate, theta_accel = motion[:, PITCH_RATE], motion[:, PITCH_ACCEL]
-    cosine, sine = np.cos(motion[:, PITCH]), np.sin(motion[:, PITCH])
-    q, q_rate, q_accel = state[:, AMPLITUDE], state[:, RATE], state[:, ACCEL]
+    _, rate, accel, _, theta_rate, theta_accel, cosine, sine = motion.T
+    q, q_rate, q_accel = np.ascontiguousarray(state.transpose(1, 2, 0))
     lifted, lifted_rate, lifted_accel = (_weighted(section.lam, row) for row in (q, q_rate, q_accel))
     along = section.mass * accel + section.first_moment * (theta_accel * cosine - theta_rate**2 * sine)
     along += cosine * lifted_accel - 2.0 * theta_rate * sine * lifted_rate
@@ -90,12 +91,11 @@ def mechanical_energy(section: Modes, motion: Array, state: Array) -> Array:
     """Kinetic plus elastic energy (J) of the wing: Eqs 9-10 with the paper's Appendix A.
 
     Args:
-        motion: shape (frames, 6).
+        motion: as a march samples it, shape (frames, 8).
         state: modal state, shape (frames, 3, modes).
     """
-    rate, theta_rate = motion[:, PLUNGE_RATE], motion[:, PITCH_RATE]
-    cosine, sine = np.cos(motion[:, PITCH]), np.sin(motion[:, PITCH])
-    q, q_rate = state[:, AMPLITUDE], state[:, RATE]
+    _, rate, _, _, theta_rate, _, cosine, sine = motion.T
+    q, q_rate = state[:, AMPLITUDE].T, state[:, RATE].T
     kinetic = 0.5 * (section.mass * rate**2 + section.second_moment * theta_rate**2 + _summed(q_rate * q_rate))
     kinetic += 0.5 * theta_rate**2 * _summed(q * q)
     kinetic += section.first_moment * rate * theta_rate * cosine
@@ -104,16 +104,22 @@ def mechanical_energy(section: Modes, motion: Array, state: Array) -> Array:
     return kinetic + 0.5 * _weighted(section.omega**2, q * q)
 
 
-def _weighted(weights: Array, rows: Array) -> Array:
-    """`sum_k weights_k rows_k`, added in order: a matrix product would round by the number of rows."""
-    total = np.zeros(len(rows))
-    for k, weight in enumerate(weights):
-        total += weight * rows[:, k]
+def _weighted(weights: Array, modes: Array) -> Array:
+    """`sum_k weights_k modes_k`, added in order: a matrix product would round by the number of frames.
+
+    Args:
+        modes: a value of each mode in each frame, shape (modes, frames).
+    """
+    if not len(modes):
+        return np.zeros(modes.shape[1])
+    total = weights[0] * modes[0]
+    for weight, values in zip(weights[1:], modes[1:], strict=True):
+        total += weight * values
     return total
 
 
-def _summed(rows: Array) -> Array:
-    return _weighted(np.ones(rows.shape[1]), rows)
+def _summed(modes: Array) -> Array:
+    return _weighted(np.ones(len(modes)), modes)
 
 
 def _superpose(shape: Array, q: Array) -> Array:

@@ -215,6 +215,32 @@ def test_override_makes_a_changed_copy():
         case.override("wing.modes=-1")
 
 
+def test_a_changed_case_is_the_case_of_a_changed_file():
+    values = {"wing.modes": 0, "wing.pivot": 0.25, "fluid.velocity": [1.0, 0.0], "title": "turned", "uvlm.wake": "all"}
+    document = hawkmoth().to_dict() | {"title": "turned"}
+    document["wing"] |= {"modes": 0, "pivot": 0.25}
+    document["fluid"]["velocity"], document["uvlm"]["wake"] = [1.0, 0.0], "all"
+    changed = hawkmoth().changed(values)
+    assert changed == parse_case(document)
+    assert changed.to_toml() == parse_case(document).to_toml()
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"wing.pivot": 0.25}, "wing.pivot = 0.25: an elastic wing is clamped at its leading edge"),
+        ({"motion.frequency": None}, "motion.frequency: missing"),
+        ({"time.periods": 100_000, "time.steps_per_period": 1000}, "at most 5000000 steps"),
+        ({"wing.chord.root": 1.0}, "wing.chord.root: chord is a value, not a table"),
+        ({"wnig.chord": 1.0}, "wnig: unknown key; did you mean wing?"),
+    ],
+)
+def test_what_a_change_spoils_is_found_wherever_it_shows(values, sentence):
+    with pytest.raises(CaseError) as refused:
+        hawkmoth().changed(values)
+    assert sentence in str(refused.value)
+
+
 def test_shipped_cases_and_the_template_fit_the_schema():
     schema = case_schema()
     jsonschema.Draft202012Validator.check_schema(schema)

@@ -10,6 +10,8 @@ import taichiflap
 from taichiflap import metrics, report
 from taichiflap.beats import settled_beats, whole_beats
 from taichiflap.case import parse_case
+from taichiflap.studies import quantities
+from taichiflap.variables import VARIABLES
 
 
 def synthetic(case, **series):
@@ -17,7 +19,7 @@ def synthetic(case, **series):
     time = case.step * np.arange(0, case.steps + 1, case.output.every)
     names = (
         "tip_deflection", "force_normal", "force_vertical", "force_vertical_normal", "power", "power_aerodynamic",
-        "power_inertial", "force_y", "force_z",
+        "power_inertial", "force_y", "force_z", "force_axial", "moment",
     )  # fmt: skip
     values = {name: series.get(name, np.zeros_like)(time) for name in names}
     return SimpleNamespace(case=case, time=time, variables=tuple(values), **values)
@@ -57,6 +59,31 @@ def test_beats_that_the_start_disturbs_are_dropped_and_no_others(disturbed, rng)
     summary = metrics.summarise(result)
     assert summary.settled
     assert summary.beats == len(beats)
+
+
+@pytest.mark.parametrize("count", [2, 3, 8, 15, 40])
+@pytest.mark.parametrize("offset", [0.0, 1e3])
+def test_the_beats_that_are_kept_have_the_least_standard_error(count, offset, rng):
+    case = hawkmoth(f"time.periods={count}")
+    fade = 0.6 ** np.arange(count + 1)
+    y, z = offset + rng.standard_normal((2, count + 1)) * 0.1 + rng.standard_normal((2, 1)) * 20.0 * fade
+    found = settled_beats(
+        synthetic(case, force_y=lambda t: y[beat(t).astype(int)], force_z=lambda t: z[beat(t).astype(int)])
+    )
+    kept = [np.array([y[1 + n :], z[1 + n :]]) for n in range(count // 2 + 1)]
+    errors = [np.sum(np.var(forces, axis=1)) / forces.shape[1] for forces in kept]
+    assert len(found) == count - int(np.argmin(errors))
+
+
+def test_every_quantity_has_the_units_of_what_it_is_taken_of():
+    units = {name: one.units for name, one in quantities.QUANTITIES.items()}
+    for name in metrics.MEANS:
+        assert units[f"{name}_mean"] == units[f"{name}_spread"] == VARIABLES[name].units
+    for name in metrics.WAVING:
+        assert units[f"{name}_harmonic_2"] == VARIABLES[name].units
+    assert {units[f"{name}_mean"] for name in ("lift", "thrust", "force_normal_peak")} == {"N"}
+    assert (units["tip_peak_mean"], units["lift_per_power"], units["force_normal_phase"]) == ("m", "N W-1", "degree")
+    assert set(units.values()) <= {"1", "N", "N m", "m", "W", "N W-1", "degree"}
 
 
 def test_two_beats_are_too_few_to_call_settled():

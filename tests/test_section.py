@@ -170,7 +170,8 @@ def test_inertial_power_is_the_rate_of_the_kinetic_energy_of_all_points(settings
 
     t, h = 0.7, 1e-3
     value, rate, accel = path(t)
-    moved = np.array([[value[0], rate[0], accel[0], value[1], rate[1], accel[1]]])
+    turned = np.cos(value[1]), np.sin(value[1])
+    moved = np.array([[value[0], rate[0], accel[0], value[1], rate[1], accel[1], *turned]])
     state = np.array([[value[2:], rate[2:], accel[2:]]])
     found = series.inertial_power(section, moved, state)[0]
     if section.count:  # the modes take their own share of the energy: what is left is the actuator's

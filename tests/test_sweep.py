@@ -39,7 +39,7 @@ def test_a_range_is_even_or_even_in_its_logarithm(case):
     np.testing.assert_allclose(pitch, np.arange(5.0, 46.0))
     assert (made.shape, made.size) == ((4, 41), 164)
     assert made.point(42) == {"wing.youngs_modulus": modulus[1], "motion.pitch.amplitude_deg": pitch[1]}
-    assert made.case(case.to_dict(), 42).motion.pitch.amplitude_deg == 6.0
+    assert made.case(case, 42).motion.pitch.amplitude_deg == 6.0
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_any_key_varies_in_its_own_type(case, spec, values):
     assert list(made.axes[0].values) == values
     assert [type(value) for value in made.axes[0].values] == [type(value) for value in values]
     key = spec.partition("=")[0]
-    taken = [eval(f"one.{key}", {"one": made.case(case.to_dict(), i)}) for i in range(made.size)]
+    taken = [eval(f"one.{key}", {"one": made.case(case, i)}) for i in range(made.size)]
     assert [str(value).strip('"').lower().replace("(", "[").replace(")", "]") for value in taken] == list(
         map(str, values)
     )

@@ -54,7 +54,7 @@ class MapViewer(Server):
             UserError: when its values do not go together, or the disk refuses.
         """
         with open_map(self.path) as sheet:
-            case = sheet.design.case(sheet.case.to_dict(), number)
+            case = sheet.design.case(sheet.case, number)
         digest = hashlib.sha256(case.to_toml().encode()).hexdigest()[:12]
         folder = self.path.with_name(f"{self.path.stem}-cases")
         try:

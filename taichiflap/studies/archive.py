@@ -33,7 +33,7 @@ def write(path: Path, runs: Runs, attributes: dict[str, float]) -> None:
                 if hasattr(value, "spread"):
                     group.attrs[name] = value.mean
                     group.attrs[f"{name}_spread"] = value.spread
-                elif value is not None:
+                elif value is not None and not isinstance(value, dict):
                     group.attrs[name] = value
             time = group.create_dataset("turns", data=run.time)
             time.attrs.update({"units": "1", "long_name": "t/T within the last beat"})

@@ -15,10 +15,10 @@ from ..march import March
 from ..runtime import available_threads
 from .quantities import SERIES, measure
 
-LAUNCH_WORK = 5e8
+LAUNCH_WORK = 6e8
 """Work of one launch a thread, in pair interactions: about half a second, in which nothing can be interrupted."""
-BATCH_WORK = 2e9
-"""Work of a batch a thread: what a crash may cost."""
+BATCH_WORK = 5e8
+"""Work of a batch a thread: what a crash may cost. One launch does a batch of small cases."""
 BATCH_BYTES = 2**27
 """Memory of a batch."""
 SHARES = 4
@@ -42,12 +42,11 @@ def batches(
 
     A case whose values do not go together comes alone, with what is wrong with it.
     """
-    document = case.to_dict()
     for first in range(0, len(pending), WINDOW):
         found: list[tuple[Any, int, Case]] = []
         for number in pending[first : first + WINDOW].tolist():
             try:
-                one = design.case(document, number)
+                one = design.case(case, number)
             except CaseError as error:
                 yield number, error
             else:
@@ -112,12 +111,13 @@ def compute(
             outcomes.append(Outcome(reason=march.reason(b)))
             continue
         frames = _joined([block[b] for block in blocks])
-        pivot = np.zeros(1)  # no field along the chord is kept, so one node will do
-        run = series.derive(cases[b], march.sections[b], pivot, march.motion[b], frames)
+        run = series.over_time(cases[b], march.sections[b], march.motion[b], frames)
         kept = {name: run[name] for name in ("time", *SERIES) if name in run} if keep_series else {}
         outcomes.append(Outcome(measure(SimpleNamespace(case=cases[b], variables=list(run), **run), metrics), kept))
     return outcomes
 
 
 def _joined(blocks: Sequence[Mapping[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    if len(blocks) == 1:
+        return dict(blocks[0])
     return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
