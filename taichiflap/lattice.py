@@ -17,7 +17,7 @@ from .body import AMPLITUDE, COSINE, RATE, SINE, array, most_modes, pivot_veloci
 from .case import Case
 from .motion import PITCH_RATE, PLUNGE
 from .profile import Profile
-from .runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets3, View, ti
+from .runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets2, Octets3, View, ti
 from .spacing import NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
 from .vortex import CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet
 from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, GAP, REFLECTS, YOUNGEST
@@ -47,9 +47,9 @@ Lattice = ti.types.argpack(
     sums=Floats3,  # circulation ahead of and on each panel, one step earlier and two
     total=Floats1,  # bound circulation, one step earlier
     pressure=Floats2,
-    matrix=Octets3,
+    matrix=Octets3,  # and the right-hand sides, while they are solved
     solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode
-    factor=Floats2,
+    factor=Octets2,
 )
 
 
@@ -87,9 +87,9 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
         sums=zeros(ti.f64, count, 2, most),
         total=zeros(ti.f64, count),
         pressure=zeros(ti.f64, count, most),
-        matrix=zeros(Octet, count, most, most // 8),
+        matrix=zeros(Octet, count, most, most // 8 + linear.octets(modes + 1)),
         solution=zeros(ti.f64, count, modes + 1, most),
-        factor=zeros(ti.f64, count, most),
+        factor=zeros(Octet, count, most),
     )
 
 

@@ -1,13 +1,13 @@
-"""Dense linear systems inside kernels: Gaussian elimination in blocks of eight columns.
+"""Dense linear systems inside kernels: Gaussian elimination in panels of eight columns.
 
-The matrix of a system of `n` unknowns is stored as `n` rows of ceil(n/8) octets. Rows of one array may alias as
-far as the compiler knows, so each column block is taken on its own with the pivot row's octet held in a register.
+The matrix of a system of `n` unknowns is stored as `n` rows of ceil(n/8) octets, and its right-hand sides as octets
+behind them. A panel's eight pivot rows stay in registers while every row below passes once, not eight times.
 """
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .runtime import LANE, Floats2, Floats3, Octet, Octets3, View, start, tasks, ti, view
+from .runtime import LANE, Floats3, Octet, Octets2, Octets3, View, start, tasks, ti, view
 
 
 def octets(n: int) -> int:
@@ -29,49 +29,92 @@ def element(a: View, b, row, column):
 def solve(a: View, x: View, factor: View, b, n, columns):
     """Solve system `b` with partial pivoting; the matrix is overwritten.
 
-    `a` has shape (systems, n, octets) and `x` (systems, columns, n): right-hand sides, then the solutions.
-    `factor` (systems, n) is scratch.
+    `a` has shape (systems, n, octets(n) + octets(columns)), the last octets left for the right-hand sides, and `x`
+    (systems, columns, n): right-hand sides, then the solutions. `factor` (systems, n) is scratch.
     """
     blocks = (n + 7) // 8
-    for k in range(n):
+    last = blocks + (columns + 7) // 8
+    for i in range(n):
+        for c in range(columns):
+            a[b, i, blocks + c // 8][c % 8] = x[b, c, i]
+    for panel in range(blocks):
+        factorise(a, factor, b, n, panel, last)
+        for j in range(panel + 1, last):
+            eliminate(a, factor, b, n, panel, j)
+    for j in range(blocks, last):
+        for m in range(blocks):
+            substitute(a, b, n, blocks - 1 - m, j)
+    for i in range(n):
+        for c in range(columns):
+            x[b, c, i] = element(a, b, i, 8 * blocks + c)
+
+
+@ti.func
+def factorise(a: View, factor: View, b, n, panel, last):
+    """Eliminate within a panel of eight columns; `factor` keeps how much of each pivot row every row has given."""
+    for k in range(8 * panel, ti.min(8 * panel + 8, n)):
         pivot_row = k
         largest = -1.0
         for i in range(k, n):
-            factor[b, i] = element(a, b, i, k)
-            size = ti.abs(factor[b, i])
+            size = ti.abs(element(a, b, i, k))
             if size > largest:
                 largest = size
                 pivot_row = i
         if pivot_row != k:
-            for j in range(k // 8, blocks):
+            for j in range(panel, last):
                 other = a[b, pivot_row, j]
                 a[b, pivot_row, j] = a[b, k, j]
                 a[b, k, j] = other
-            for c in range(columns):
-                swapped = x[b, c, pivot_row]
-                x[b, c, pivot_row] = x[b, c, k]
-                x[b, c, k] = swapped
-        inverse = 1.0 / factor[b, pivot_row]
-        factor[b, pivot_row] = factor[b, k]
+            others = factor[b, pivot_row]
+            factor[b, pivot_row] = factor[b, k]
+            factor[b, k] = others
+        pivot = a[b, k, panel]
+        inverse = 1.0 / pivot[k % 8]
         for i in range(k + 1, n):
-            factor[b, i] = factor[b, i] * inverse
-        for j in range(k // 8, blocks):
-            pivot = a[b, k, j]
-            for i in range(k + 1, n):
-                a[b, i, j] = a[b, i, j] - factor[b, i] * pivot
-        for c in range(columns):
-            known = x[b, c, k]
-            for i in range(k + 1, n):
-                x[b, c, i] = x[b, c, i] - factor[b, i] * known
-    for m in range(n):
-        k = n - 1 - m
-        for i in range(k + 1):
-            factor[b, i] = element(a, b, i, k)
-        for c in range(columns):
-            known = x[b, c, k] / factor[b, k]
-            x[b, c, k] = known
-            for i in range(k):
-                x[b, c, i] = x[b, c, i] - factor[b, i] * known
+            row = a[b, i, panel]
+            share = row[k % 8] * inverse
+            factor[b, i][k % 8] = share
+            a[b, i, panel] = row - share * pivot
+
+
+@ti.func
+def eliminate(a: View, factor: View, b, n, panel, j):
+    """Take a panel's pivot rows from block `j` of those below, all eight at a time."""
+    first = 8 * panel
+    for i in range(first + 1, ti.min(first + 8, n)):
+        row = a[b, i, j]
+        shares = factor[b, i]
+        for k in range(i - first):
+            row = row - shares[k] * a[b, first + k, j]
+        a[b, i, j] = row
+    if first + 8 < n:
+        pivots = [a[b, first + k, j] for k in ti.static(range(8))]
+        for i in range(first + 8, n):
+            row = a[b, i, j]
+            shares = factor[b, i]
+            for k in ti.static(range(8)):
+                row = row - shares[k] * pivots[k]
+            a[b, i, j] = row
+
+
+@ti.func
+def substitute(a: View, b, n, panel, j):
+    """Solve for a panel's unknowns in block `j` of the right-hand sides, and take them from the rows above."""
+    first = 8 * panel
+    held = ti.min(8, n - first)
+    for m in range(held):
+        k = first + held - 1 - m
+        known = a[b, k, j] / element(a, b, k, k)
+        a[b, k, j] = known
+        for i in range(first, k):
+            a[b, i, j] = a[b, i, j] - element(a, b, i, k) * known
+    for i in range(first):
+        row = a[b, i, j]
+        shares = a[b, i, panel]
+        for m in ti.static(range(8)):
+            if 7 - m < held:
+                row = row - shares[7 - m] * a[b, first + 7 - m, j]
+        a[b, i, j] = row
 
 
 @ti.func
@@ -91,7 +134,7 @@ def solve_few(a: View, b, n):
 
 
 @ti.kernel
-def _solve_all(a: Octets3, x: Floats3, factor: Floats2, lanes: ti.i32):
+def _solve_all(a: Octets3, x: Floats3, factor: Octets2, lanes: ti.i32):
     for i in range(lanes * LANE):
         if i % LANE == 0:
             lane = i // LANE
@@ -112,9 +155,9 @@ def solve_systems(matrix: ArrayLike, rhs: ArrayLike) -> NDArray[np.float64]:
     start()
     x = np.ascontiguousarray(np.swapaxes(np.asarray(rhs, dtype=np.float64), 1, 2))
     systems, _, n = x.shape
-    a = ti.ndarray(Octet, (systems, n, octets(n)))
-    rows = view(a).reshape(systems, n, 8 * octets(n))
+    a = ti.ndarray(Octet, (systems, n, octets(n) + octets(x.shape[1])))
+    rows = view(a).reshape(systems, n, -1)
     rows[:, :, :n] = matrix
     rows[:, :, n:] = 0.0
-    _solve_all(a, x, np.empty((systems, n)), tasks(systems))
+    _solve_all(a, x, ti.ndarray(Octet, (systems, n)), tasks(systems))
     return np.swapaxes(x, 1, 2)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from typing import Any as Ints1
     from typing import Any as Ints2
     from typing import Any as Ints3
+    from typing import Any as Octets2
     from typing import Any as Octets3
     from typing import Any as Singles3
     from typing import Any as Singles4
@@ -41,7 +42,7 @@ else:
     Ints1, Ints2, Ints3 = (ti.types.ndarray(dtype=ti.i32, ndim=n) for n in (1, 2, 3))
     Floats1, Floats2, Floats3, Floats4 = (ti.types.ndarray(dtype=ti.f64, ndim=n) for n in (1, 2, 3, 4))
     Singles3, Singles4 = (ti.types.ndarray(dtype=ti.f32, ndim=n) for n in (3, 4))
-    Octets3 = ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=3)
+    Octets2, Octets3 = (ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=n) for n in (2, 3))
 
 Octet: Any = ti.types.vector(8, ti.f64) if ti else None
 """Eight doubles: one AVX-512 register, the unit in which pair sums, eliminations and blade elements are written.
