@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from . import outputs, palette, scene
+from .extras import extra
 from .results import Result
 
 TALL, WIDE = 840, 1040
@@ -37,10 +38,7 @@ def write_mp4(result: Result, path: Path, beats: int, theme: palette.Theme = pal
         SceneError: when the result has no whole beat.
         OutputError: when the file cannot be written, or imageio-ffmpeg is missing.
     """
-    try:
-        import imageio_ffmpeg  # noqa: PLC0415 - an optional extra
-    except ImportError:
-        raise outputs.OutputError('mp4 needs imageio-ffmpeg: pip install "taichiflap[video]"') from None
+    imageio_ffmpeg = extra("imageio_ffmpeg", "video", "mp4 needs imageio-ffmpeg", outputs.OutputError)
     film = Film(result, beats, MP4_BEAT, MP4_RATE, theme=theme)
     with outputs.standing_in(path) as draft:
         writer = imageio_ffmpeg.write_frames(

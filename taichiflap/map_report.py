@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from .design import Axis, Design
-from .maps import COMPLETE, FAILED, Map
+from .maps import Map
+from .outcome import COMPLETE, FAILED
 
 LABEL = 24
 SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")

@@ -1,16 +1,12 @@
 """The map file: what came of every case of a design, in HDF5 that xarray and netCDF4 open as they are.
 
-Besides the modules of the result file the only one that knows h5py. All room is laid out before the first case runs,
-numbers are flushed before the status that vouches for them, and both after every batch: a crash at any moment costs
-no more than the batch that was running.
+Numbers are flushed before the status that vouches for them, and both after every batch: a crash at any moment costs no
+more than the batch that was running.
 """
 
-import math
 import os
 import time
-import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -18,44 +14,25 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import intact
-from ._version import __version__
-from .case import Case, CaseError, parse_case
-from .design import MOST_CASES, Axis, Design
+from . import intact, map_layout
+from .case import Case, CaseError
+from .design import Axis, Design
 from .errors import UserError
-from .intact import DAMAGE, DamageError
-from .problems import key_units
+from .extras import extra
+from .intact import DAMAGE
+from .map_layout import FRAME, SAMPLE
+from .outcome import COMPLETE, FAILED, TO_DO, Outcome
 from .variables import VARIABLES, Variable
-
-FORMAT = 1
-"""Version of the layout; a reader refuses files of a newer one."""
-
-TO_DO, COMPLETE, FAILED = range(3)
-"""What `status` says of a case."""
-FLAGS = np.array([TO_DO, COMPLETE, FAILED], "i1")
 
 ATTRIBUTES = (
     "Conventions", "title", "source", "history", "taichiflap_map", "case", "keys", "grid", "metrics", "series",
     "state", "coordinates",
 )  # fmt: skip
 """What a map says about itself."""
-SAMPLE, FRAME = "sample", "frame"
-SAMPLE_CHUNK = 1024
-NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
-_TEXT = h5py.string_dtype()
 
 
 class MapError(UserError):
     """A map file that cannot be read or written: one sentence with the path and the cause."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a case: its metrics and series by name, or the reason why it has none."""
-
-    metrics: dict[str, float] = field(default_factory=dict)
-    series: dict[str, np.ndarray] = field(default_factory=dict)
-    reason: str = ""
 
 
 class Map:
@@ -72,8 +49,11 @@ class Map:
 
     def __init__(self, file: Any, path: Path | None) -> None:
         self.file, self.path = file, path
-        self.case = _base_case(file, path)
-        self.design = _read_design(file)
+        try:
+            self.case = map_layout.read_case(file, str(path))
+        except CaseError as error:
+            raise MapError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
+        self.design = map_layout.read_design(file)
         self.metrics = intact.attribute(file, "metrics").split()
         self.keeps_series = bool(intact.attribute(file, "series"))
         self.title = str(intact.attribute(file, "title"))
@@ -135,16 +115,19 @@ class Map:
             MapError: when the disk refuses; the cases before are safe.
         """
         places = np.stack(np.unravel_index(np.asarray(numbers), self.design.shape), axis=1)
+        statuses = [FAILED if outcome.reason else COMPLETE for outcome in outcomes]
         try:
             for name in self.metrics:
-                _scatter(self.file[name], places, [outcome.metrics.get(name, np.nan) for outcome in outcomes])
+                values = [outcome.metrics.get(name, np.nan) for outcome in outcomes]
+                map_layout.scatter(self.file[name], places, values)
             for place, outcome in zip(map(tuple, places), outcomes, strict=True):
                 if outcome.reason:
                     self.file["reason"][place] = outcome.reason
-                for name, values in outcome.series.items():
-                    self._keep(name, place, values)
+                for name, series in outcome.series.items():
+                    kept = map_layout.series_of(self.file, self.design, name, len(series))
+                    kept[(*place, slice(len(series)))] = series
             self.file.flush()
-            _scatter(self.file["status"], places, [FAILED if outcome.reason else COMPLETE for outcome in outcomes])
+            map_layout.scatter(self.file["status"], places, statuses)
             self.file.flush()
         except OSError as error:
             raise MapError(f"{self.path}: cannot be written: {_first_line(error)}") from None
@@ -159,7 +142,7 @@ class Map:
         for axis in axes:
             self.file[axis.key].resize(last, axis=0)
             self.file[axis.key][first:] = axis.values
-        self.design = _read_design(self.file)
+        self.design = map_layout.read_design(self.file)
         return range(first, last)
 
     def finish(self) -> None:
@@ -173,53 +156,29 @@ class Map:
         Raises:
             MapError: when xarray is not installed.
         """
-        try:
-            import xarray  # noqa: PLC0415 - an optional extra
-        except ImportError:
-            raise MapError('an xarray.Dataset needs xarray: pip install "taichiflap[xarray]"') from None
-        dimensions = _dimensions(self.design)
+        xarray = extra("xarray", "xarray", "an xarray.Dataset needs xarray", MapError)
+        axes = map_layout.dimensions(self.design)
         keys = [axis.key for axis in self.design.axes]
-        coordinates = {name: (self._over(name, dimensions), *self._described(name)) for name in keys}
+        coordinates = {name: (self._over(name, axes), *self._described(name)) for name in keys}
         if not self.design.grid:
             coordinates[SAMPLE] = ((SAMPLE,), *self._described(SAMPLE))
         kept = [name for name in ("time", *VARIABLES) if name in self.file and name not in self.metrics]
-        variables = {name: (dimensions, *self._described(name)) for name in (*self.metrics, "status", "reason")} | {
-            name: ((*dimensions, FRAME), *self._described(name)) for name in kept
+        variables = {name: (axes, *self._described(name)) for name in (*self.metrics, "status", "reason")} | {
+            name: ((*axes, FRAME), *self._described(name)) for name in kept
         }
         return xarray.Dataset(variables, coordinates, intact.attributes(self.file, ATTRIBUTES))
 
-    def _over(self, key: str, dimensions: tuple[str, ...]) -> tuple[str, ...]:
-        return (key,) if self.design.grid else dimensions
+    def _over(self, key: str, axes: tuple[str, ...]) -> tuple[str, ...]:
+        return (key,) if self.design.grid else axes
 
     def _described(self, name: str) -> tuple[np.ndarray, dict[str, Any]]:
         dataset = self.file[name]
         values = dataset.asstr()[...] if h5py.check_string_dtype(dataset.dtype) else dataset[...]
-        flags = {"flag_values": FLAGS} if name == "status" else {}
+        flags = {"flag_values": map_layout.FLAGS} if name == "status" else {}
         return values, self._words(name) | flags
 
     def _words(self, name: str) -> dict[str, Any]:
         return intact.attributes(self.file[name], ("units", "long_name", "symbol", "comment", "flag_meanings"))
-
-    def _keep(self, name: str, place: tuple[int, ...], values: np.ndarray) -> None:
-        shape = self.design.shape
-        if FRAME not in self.file:
-            axis = self.file.create_dataset(FRAME, (0,), "f4", maxshape=(None,), chunks=(1024,))
-            axis.make_scale(NO_COORDINATE)
-        if len(self.file[FRAME]) < len(values):
-            self.file[FRAME].resize(len(values), axis=0)
-        if name not in self.file:
-            dataset = self.file.create_dataset(
-                name, (*shape, len(values)), "f8", maxshape=(*shape, None), fillvalue=np.nan,
-                chunks=(*(1 for _ in shape), max(1, len(values))), compression=1, shuffle=True,
-            )  # fmt: skip
-            variable = VARIABLES.get(name, Variable((), "s", "time", "t"))
-            _describe(self.file, dataset, variable, (*_dimensions(self.design), FRAME))
-        dataset = self.file[name]
-        if dataset.shape[-1] < len(values):
-            for kept in ("time", *VARIABLES):
-                if kept in self.file:
-                    self.file[kept].resize(len(values), axis=len(shape))
-        dataset[(*place, slice(len(values)))] = values
 
 
 def create(
@@ -237,38 +196,7 @@ def create(
         MapError: when the file cannot be created.
     """
     file = _create(path)
-    now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-    file.attrs.update(
-        {
-            "Conventions": "CF-1.11",
-            "title": title or case.title,
-            "source": f"taichiflap {__version__}",
-            "history": f"{now} begun with taichiflap {__version__}",
-            "taichiflap_map": FORMAT,
-            "case": case.to_toml(),
-            "keys": " ".join(axis.key for axis in design.axes),
-            "grid": int(design.grid),
-            "metrics": " ".join(metrics),
-            "series": int(series),
-            "state": "running",
-        }
-    )
-    if not design.grid:
-        file.attrs["coordinates"] = file.attrs["keys"]
-        axis = file.create_dataset(SAMPLE, data=np.arange(design.size), maxshape=(None,), chunks=(SAMPLE_CHUNK,))
-        axis.make_scale(SAMPLE)
-    for axis in design.axes:
-        _lay_axis(file, axis, design.grid)
-    statuses = file.create_dataset("status", **_room(design, "i1", TO_DO))
-    statuses.attrs["flag_values"] = FLAGS
-    statuses.attrs["flag_meanings"] = "to_do complete failed"
-    dimensions = _dimensions(design)
-    _describe(file, statuses, Variable((), "", "what came of the case"), dimensions)
-    reasons = file.create_dataset("reason", **_room(design, _TEXT, ""))
-    _describe(file, reasons, Variable((), "", "why a failed case has no metrics"), dimensions)
-    for name, variable in metrics.items():
-        _describe(file, file.create_dataset(name, **_room(design, "f8", np.nan)), variable, dimensions)
-    file.flush()
+    map_layout.lay_out(file, case, design, metrics, series, title or case.title)
     return Map(file, path)
 
 
@@ -293,9 +221,11 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
         if "taichiflap_map" not in file.attrs:
             raise MapError(f"{path}: an HDF5 file, but not a map of taichiflap")
         version = intact.attribute(file, "taichiflap_map")
-        if version > FORMAT:
-            raise MapError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
-        _check(file)
+        if version > map_layout.FORMAT:
+            raise MapError(
+                f"{path}: written by a newer taichiflap (format {version}, this one reads {map_layout.FORMAT})"
+            )
+        map_layout.check(file)
         opened = Map(file, path)
     except MapError:
         file.close()
@@ -315,29 +245,6 @@ def is_map(path: Path) -> bool:
         return False
 
 
-def _check(file: Any) -> None:
-    """Refuse a file that a reader could trip over.
-
-    Raises:
-        DamageError: when something is missing, cut off, elsewhere or of an impossible size.
-    """
-    said = {name: intact.attribute(file, name) for name in ("title", "source", "keys", "metrics", "grid", "series")}
-    keys, grid = said["keys"].split(), bool(said["grid"])
-    lengths = tuple(intact.array(file, key, (None,), "ifO", whole=False)[0] for key in keys)
-    shape = lengths if grid else lengths[:1]
-    if not keys or math.prod(shape) > MOST_CASES or (not grid and len(set(lengths)) > 1):
-        raise DamageError(f"a design of {' x '.join(map(str, lengths))} cases")
-    intact.array(file, "status", shape, "i", whole=False)
-    intact.array(file, "reason", shape, "O", whole=False)
-    for name in said["metrics"].split():
-        intact.array(file, name, shape, "f", whole=False)
-    for name in ("time", *VARIABLES):
-        if name in file:
-            intact.array(file, name, (*shape, None), "f", whole=False)
-    if not grid:
-        intact.array(file, SAMPLE, shape, "i", whole=False)
-
-
 def _create(path: Path | None) -> Any:
     if path is None:
         return h5py.File(f"map in memory {time.monotonic_ns()}", "w", driver="core", backing_store=False)
@@ -349,63 +256,6 @@ def _create(path: Path | None) -> Any:
         raise MapError(f"{path}: another study is writing it") from None
     except OSError as error:
         raise MapError(f"{path}: cannot be created: {_first_line(error)}") from None
-
-
-def _room(design: Design, kind: Any, fill: Any) -> dict[str, Any]:
-    room = {"shape": design.shape, "dtype": kind, "fillvalue": fill}
-    if not design.grid:
-        room |= {"maxshape": (None,), "chunks": (SAMPLE_CHUNK,)}
-    return room
-
-
-def _dimensions(design: Design) -> tuple[str, ...]:
-    return tuple(axis.key for axis in design.axes) if design.grid else (SAMPLE,)
-
-
-def _lay_axis(file: Any, axis: Axis, grid: bool) -> None:
-    values = np.array(axis.values) if axis.numeric else np.array(axis.values, dtype=object)
-    growth = {} if grid else {"maxshape": (None,), "chunks": (SAMPLE_CHUNK,)}
-    dataset = file.create_dataset(axis.key, data=values, dtype=None if axis.numeric else _TEXT, **growth)
-    if grid:
-        dataset.make_scale(axis.key)
-    else:
-        dataset.dims[0].attach_scale(file[SAMPLE])
-    units, text = key_units(axis.key, Case)
-    dataset.attrs.update({name: value for name, value in (("units", units), ("long_name", text)) if value})
-
-
-def _describe(file: Any, dataset: Any, variable: Variable, dimensions: Sequence[str]) -> None:
-    words = {name: getattr(variable, name) for name in ("units", "long_name", "symbol", "comment")}
-    dataset.attrs.update({name: text for name, text in words.items() if text})
-    for position, name in enumerate(dimensions):
-        dataset.dims[position].attach_scale(file[name])
-
-
-def _scatter(dataset: Any, places: np.ndarray, values: Sequence[float]) -> None:
-    """Write single points in one call; h5py's own indexing takes one a call."""
-    space = dataset.id.get_space()
-    space.select_elements(places.astype(np.uint64))
-    dataset.id.write(h5py.h5s.create_simple((len(values),)), space, np.array(values, dataset.dtype))
-
-
-def _base_case(file: Any, path: Path | None) -> Case:
-    try:
-        return parse_case(tomllib.loads(intact.attribute(file, "case")), str(path))
-    except CaseError as error:
-        raise MapError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
-
-
-def _read_design(file: Any) -> Design:
-    axes = []
-    for key in intact.attribute(file, "keys").split():
-        text = h5py.check_string_dtype(file[key].dtype)
-        axes.append(
-            Axis(
-                key,
-                tuple(map(intact.plain, file[key].asstr(errors="replace")[...]) if text else file[key][...].tolist()),
-            )
-        )
-    return Design(tuple(axes), bool(intact.attribute(file, "grid")))
 
 
 def _first_line(error: OSError) -> str:

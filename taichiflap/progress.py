@@ -58,39 +58,46 @@ def share(title: str) -> Iterator[Callable[[float], None]]:
 
 
 @contextlib.contextmanager
-def cases(title: str) -> Iterator[Callable[[float, int], None]]:
-    """A bar on stderr for a study of many cases: rate and time left; yields what the study calls."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}"), _CaseRate())
+def cases(title: str) -> Iterator[Callable[[float, int, float], None]]:
+    """A bar on stderr for a study of many cases: rate, and time left by work; yields what the study calls."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}"))
     with Progress(*columns, TimeRemainingColumn(compact=True), console=Console(stderr=True), transient=True) as shown:
-        task = shown.add_task(title, total=None, count="")
+        task = shown.add_task(title, total=1.0, count="")
+        pace = _Pace()
 
-        def update(done: float, total: int) -> None:
-            shown.update(task, completed=done, total=total, count=f"{int(done):,} of {total:,} cases")
+        def update(done: float, total: int, share: float) -> None:
+            shown.update(task, completed=share, count=pace.count(done, total))
 
         yield update
 
 
-class _CaseRate(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        return Text(f"{task.speed:,.3g} cases/s" if task.speed else "")
-
-
 @contextlib.contextmanager
-def log(title: str) -> Iterator[Callable[[float, int], None]]:
+def log(title: str) -> Iterator[Callable[[float, int, float], None]]:
     """The same as lines on stderr, one in half a minute, for a run that nobody watches."""
-    began = said = time.monotonic()
-    found: float | None = None
+    pace = _Pace()
+    said = pace.began
 
-    def update(done: float, total: int) -> None:
-        nonlocal said, found
-        found = done if found is None else found  # what an earlier run left does not count as speed
-        now = time.monotonic()
-        if now - said < LOG_SECONDS or done <= found:
-            return
-        said = now
-        rate = (done - found) / (now - began)
-        minutes = (total - done) / rate / 60
-        said_so_far = f"{title}: {int(done):,} of {total:,} cases"
-        print(f"{said_so_far}, {rate:.3g} a second, {minutes:.0f} min left", file=sys.stderr)
+    def update(done: float, total: int, share: float) -> None:
+        nonlocal said
+        count = pace.count(done, total)
+        if pace.now - said >= LOG_SECONDS and share > 0.0:
+            said = pace.now
+            left = (1.0 - share) / share * (said - pace.began)
+            print(f"{title}: {count}, {left / 60.0:.0f} min left", file=sys.stderr)
 
     yield update
+
+
+class _Pace:
+    """Cases done since the first call: what an earlier run left does not count as speed."""
+
+    def __init__(self) -> None:
+        self.began = self.now = time.monotonic()
+        self.first: float | None = None
+
+    def count(self, done: float, total: int) -> str:
+        """How many cases are done, and how many a second."""
+        self.now = time.monotonic()
+        self.first = done if self.first is None else self.first
+        rate = (done - self.first) / (self.now - self.began) if self.now > self.began else 0.0
+        return f"{int(done):,} of {total:,} cases" + (f", {rate:.3g} a second" if rate else "")

@@ -13,6 +13,7 @@ import numpy as np
 from . import intact
 from .case import Case, CaseError, parse_case
 from .errors import UserError
+from .extras import extra
 from .intact import DAMAGE, DamageError
 from .variables import MODE_VARIABLES, VARIABLES, WAKE_VARIABLES
 
@@ -164,10 +165,7 @@ class Result:
         Raises:
             ResultError: when xarray is not installed.
         """
-        try:
-            import xarray  # noqa: PLC0415 - an optional extra
-        except ImportError:
-            raise ResultError('to_xarray needs xarray: pip install "taichiflap[xarray]"') from None
+        xarray = extra("xarray", "xarray", "to_xarray needs xarray", ResultError)
         arrays = {
             name: (VARIABLES[name].dimensions, getattr(self, name), VARIABLES[name].attributes)
             for name in self.variables

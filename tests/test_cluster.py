@@ -1,15 +1,17 @@
 """Sweeps on Dask: a real scheduler and two worker processes, one of which dies in the middle."""
 
+import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
 
 import pytest
 import xarray
-from conftest import CASES, hawkmoth
+from conftest import CASES, done, hawkmoth
 
 import taichiflap
 from taichiflap.errors import UserError
@@ -68,14 +70,6 @@ def test_a_cluster_gives_the_bits_of_this_process_and_outlives_a_worker(cluster,
         xarray.testing.assert_equal(remote.load().drop_vars("reason"), here.drop_vars("reason"))
 
 
-def done(path):
-    try:
-        with taichiflap.open_map(path) as sheet:
-            return sheet.design.size - len(sheet.pending)
-    except UserError:
-        return 0
-
-
 @pytest.mark.parametrize(
     ("address", "sentence"),
     [
@@ -94,6 +88,17 @@ def test_an_address_that_nobody_answers_is_a_sentence_and_harms_nothing(address,
     assert done(tmp_path / "map.h5") == 0
 
 
+@pytest.fixture
+def dashboard_taken():
+    """The port that a scheduler's dashboard asks for first, held by another."""
+    with socket.socket() as taken:
+        with contextlib.suppress(OSError):  # held already
+            taken.bind(("127.0.0.1", 8787))
+            taken.listen()
+        yield
+
+
+@pytest.mark.usefixtures("dashboard_taken")
 def test_workers_started_here(tmp_path):
     command = [sys.executable, "-m", "taichiflap", "sweep", str(CASES / "hawkmoth_dbet.toml"), "--set=time.periods=1"]
     command += ["--vary", "wing.youngs_modulus=1e10:2e10:8", "-o", "map.h5", "--cluster", "local:1"]

@@ -8,7 +8,8 @@ import taichiflap
 from taichiflap import map_plots, maps
 from taichiflap.design import DesignError, design
 from taichiflap.errors import UserError
-from taichiflap.maps import MapError, Outcome
+from taichiflap.maps import MapError
+from taichiflap.outcome import Outcome
 from taichiflap.studies import converge as convergence
 from taichiflap.studies.converge import ConvergeError, converge, read_tolerance
 from taichiflap.studies.expression import ExpressionError, read_constraint, read_expression

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray
-from conftest import CASES, hawkmoth
+from conftest import CASES, done, hawkmoth
 
 import taichiflap
-from taichiflap import maps
+from taichiflap import maps, outcome, progress
 from taichiflap.case import parse_case
 from taichiflap.design import design, read_vary
 from taichiflap.errors import UserError
@@ -154,7 +154,7 @@ def test_a_motion_that_does_not_repeat_has_means_and_no_harmonics():
         }
     )
     sheet = taichiflap.sweep(case, {"time.step": "1e-3,5e-4"})
-    assert (sheet.status == maps.COMPLETE).all()
+    assert (sheet.status == outcome.COMPLETE).all()
     with taichiflap.simulate(case) as result:
         same_bits(sheet.force_vertical_mean[0], taichiflap.summarise(result).force_vertical.mean)
     assert sheet.force_normal_harmonic_1.isnull().all()
@@ -191,6 +191,43 @@ def test_batches_are_of_one_solver_and_bounded_in_memory(case, monkeypatch):
     assert sorted(seen) == list(range(500))
 
 
+def test_progress_goes_by_work_and_not_by_the_number_of_cases(case, monkeypatch):
+    monkeypatch.setattr(batch, "BATCH_BYTES", 1)  # a batch a case, the light ones first
+    told = []
+    vary = {"solver": "uvlm,dbet", "uvlm.panels": "8,64", "time.periods": "1,4"}
+    taichiflap.sweep(case, vary, progress=lambda *now: told.append(now))
+    done, total, share = np.array(told).T
+    assert set(total) == {8}
+    assert np.all(np.diff(done) >= 0)
+    assert np.all(np.diff(share) >= 0)
+    assert (done[0], share[0], done[-1]) == (0.0, 0.0, 8.0)
+    assert share[-1] == pytest.approx(1.0)
+    planned = design(case, vary)
+    heaviest = max(batch.work(planned.case(case, n)) for n in range(8))
+    assert share[done == 7].min() == pytest.approx(1.0 - heaviest / batch.whole_work(case, planned, np.arange(8)))
+    assert share[done == 7].min() < 0.4
+
+
+def test_the_work_of_many_cases_is_told_from_some_of_them(case, monkeypatch):
+    planned = design(case, {"uvlm.panels": "8:40:9", "wing.youngs_modulus": "1e10:2e10:80"})
+    exact = sum(batch.work(planned.case(case, n)) for n in range(planned.size))
+    assert batch.whole_work(case, planned, np.arange(planned.size)) == pytest.approx(exact, rel=0.1)
+    monkeypatch.setattr(batch, "LOOKED_AT", 10**6)
+    assert batch.whole_work(case, planned, np.arange(planned.size)) == pytest.approx(exact)
+
+
+def test_a_log_tells_the_time_left_by_the_work_that_is_left(monkeypatch, capsys):
+    clock = iter([0.0, 0.0, 10.0, 60.0, 61.0, 120.0])
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
+    with progress.log("map") as tell:
+        for done, share in ((100, 0.0), (400, 0.01), (700, 0.1), (701, 0.101), (1000, 0.5)):
+            tell(done, 1000, share)
+    assert capsys.readouterr().err.splitlines() == [
+        "map: 700 of 1,000 cases, 10 a second, 9 min left",
+        "map: 1,000 of 1,000 cases, 7.5 a second, 2 min left",
+    ]
+
+
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
 def test_a_map_opens_in_xarray_as_it_is(case, engine, tmp_path):
     vary = {"wing.youngs_modulus": "1e10:2e10:3", "solver": "dbet,uvlm"}
@@ -211,8 +248,8 @@ def test_a_case_that_fails_is_recorded_with_its_reason_and_the_rest_goes_on():
     case = hawkmoth("solver=dbet", "dbet.elements=8", *SPINNING, "output.every=1000")
     vary = {"wing.youngs_modulus": [1e13, 1.0], "time.periods": [2, 60], "time.steps_per_period": [200, 90_000]}
     sheet = taichiflap.sweep(case, vary)
-    assert sheet.status.values[0, 0].tolist() == [maps.COMPLETE] * 2
-    assert sheet.status.values[:, 1, 1].tolist() == [maps.FAILED] * 2
+    assert sheet.status.values[0, 0].tolist() == [outcome.COMPLETE] * 2
+    assert sheet.status.values[:, 1, 1].tolist() == [outcome.FAILED] * 2
     assert "at most 5000000 steps" in sheet.reason.values[0, 1, 1]
     assert np.isfinite(sheet.power_mean.values[0, 0, 1])
     assert "ran away at step" in sheet.reason.values[1, 1, 0]
@@ -269,14 +306,6 @@ batch.BATCH_WORK, batch.SHARES = 0.0, {batch}
 from taichiflap.cli import main
 main()
 """
-
-
-def done(path):
-    try:
-        with taichiflap.open_map(path) as sheet:
-            return sheet.design.size - len(sheet.pending)
-    except UserError:
-        return 0
 
 
 def test_a_map_of_another_study_is_kept(case, tmp_path):

@@ -8,7 +8,8 @@ from taichiflap_viewer.map_picture import Choice, held, opening, read
 
 from taichiflap import maps
 from taichiflap.design import design
-from taichiflap.maps import MapError, Outcome
+from taichiflap.maps import MapError
+from taichiflap.outcome import Outcome
 from taichiflap.variables import Variable
 
 KEYS = {"wing.youngs_modulus": "5e9:60e9:5:log", "motion.pitch.amplitude_deg": "5:45:3", "solver": "dbet,uvlm"}

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from taichiflap.map_names import named
-from taichiflap.maps import COMPLETE, FAILED, Map, open_map
+from taichiflap.maps import Map, open_map
+from taichiflap.outcome import COMPLETE, FAILED
 
 from . import camera, labels, map_picture
 from .colours import METRIC, theme

@@ -23,3 +23,5 @@ Cluster = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS|local:N", help="run on a Dask scheduler, or on N worker processes here"),
 ]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace the file of another study")]
+Seed = Annotated[int, typer.Option(min=0, help="seed of the random choices")]

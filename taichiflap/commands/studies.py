@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .options import CaseFile, Cluster, Settings, Threads, Vary
+from .options import CaseFile, Cluster, Overwrite, Seed, Settings, Threads, Vary
 
 
 def sweep(
@@ -20,7 +20,7 @@ def sweep(
     sample: Annotated[
         str | None, typer.Option(metavar="sobol:N|lhs:N", help="sample the ranges instead of a full grid")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="seed of the sample")] = 0,
+    seed: Seed = 0,
     metric: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="keep this metric; may be repeated  [default: all]")
     ] = None,
@@ -28,7 +28,7 @@ def sweep(
     settings: Settings = None,
     cluster: Cluster = None,
     threads: Threads = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the map of another study")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Run a case for many values of its keys and write a map. Run it again after a crash: it goes on."""
     from ..case import load_case
@@ -62,7 +62,7 @@ def converge(
     settings: Settings = None,
     cluster: Cluster = None,
     threads: Threads = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the file of another study")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Find how fine is fine enough: panels or elements, steps, wake, beats and modes; exit code 1 if not found."""
     from .. import map_plots
@@ -97,11 +97,11 @@ def optimise(
     ] = None,
     generations: Annotated[int, typer.Option(min=1, help="generations at most")] = 40,
     population: Annotated[int, typer.Option(min=5, help="cases in a generation")] = 32,
-    seed: Annotated[int, typer.Option(min=0, help="seed of the search")] = 0,
+    seed: Seed = 0,
     settings: Settings = None,
     cluster: Cluster = None,
     threads: Threads = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the map of another study")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Search ranges of keys for the best case, by differential evolution; exit code 1 if none meets the conditions."""
     from ..case import load_case

@@ -1,6 +1,7 @@
 """Many cases of one solver, marched side by side, and what a map keeps of each."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -10,8 +11,8 @@ import numpy as np
 from .. import fluids, series
 from ..case import Case, CaseError
 from ..design import Design
-from ..maps import Outcome
 from ..march import March
+from ..outcome import Outcome
 from ..runtime import available_threads
 from .quantities import SERIES, measure
 
@@ -25,14 +26,17 @@ SHARES = 4
 """Least number of cases a thread, so that no thread waits long for the last."""
 WINDOW = 4096
 """Cases that are looked at together to make batches of like cost."""
+LOOKED_AT = 512
+"""Cases from which the work of a study is told before they run."""
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Some cases of a design that share their solver: their numbers, and the cases themselves."""
+    """Some cases of a design that share their solver: their numbers, the cases themselves, and their work."""
 
     numbers: list[int]
     cases: list[Case]
+    work: float
 
 
 def batches(
@@ -63,13 +67,30 @@ def _split(found: list[tuple[Any, int, Case]], threads: int) -> Iterator[Batch]:
         other = gathered and gathered[-1][0][0] != one.solver
         enough = spent > BATCH_WORK * threads and len(gathered) >= SHARES * threads
         if gathered and (other or enough or size + memory(one) > BATCH_BYTES):
-            yield Batch([number for _, number, _ in gathered], [case for *_, case in gathered])
+            yield _batch(gathered)
             gathered, spent, size = [], 0.0, 0.0
         gathered.append(entry)
         spent += work(one)
         size += memory(one)
     if gathered:
-        yield Batch([number for _, number, _ in gathered], [case for *_, case in gathered])
+        yield _batch(gathered)
+
+
+def _batch(gathered: list[tuple[Any, int, Case]]) -> Batch:
+    cases = [case for *_, case in gathered]
+    return Batch([number for _, number, _ in gathered], cases, sum(map(work, cases)))
+
+
+def whole_work(case: Case, design: Design, pending: np.ndarray) -> float:
+    """Rough cost of the pending cases of a design, in pair interactions: from a sample of them, if they are many."""
+    # At random: evenly spaced numbers of a grid may all have the same value of a key.
+    several = len(pending) > LOOKED_AT
+    looked_at = np.random.default_rng(0).choice(pending, LOOKED_AT, replace=False) if several else pending
+    found = 0.0
+    for number in looked_at.tolist():
+        with suppress(CaseError):
+            found += work(design.case(case, number))
+    return found * len(pending) / max(1, len(looked_at))
 
 
 def work(case: Case) -> float:

@@ -9,7 +9,8 @@ from typing import Any
 from .._version import __version__
 from ..case import Case
 from ..errors import UserError
-from ..maps import Outcome
+from ..extras import extra
+from ..outcome import Outcome
 from .batch import Batch, compute
 
 PATIENCE = 15
@@ -36,7 +37,7 @@ def there(
     Raises:
         ClusterError: when nobody answers, or the workers cannot run taichiflap.
     """
-    distributed = _dask()
+    distributed = extra("distributed", "cluster", "--cluster needs Dask", ClusterError)
     waiting = iter(found)
     with ExitStack() as stack:
         client = _connect(distributed, address, stack)
@@ -72,21 +73,14 @@ def work(version: str, cases: Sequence[Case], metrics: Sequence[str], keep_serie
     return _lane.submit(compute, cases, metrics, keep_series, 1).result()
 
 
-def _dask() -> Any:
-    try:
-        import distributed  # noqa: PLC0415 - an optional extra
-    except ImportError:
-        raise ClusterError('--cluster needs Dask: pip install "taichiflap[cluster]"') from None
-    return distributed
-
-
 def _connect(distributed: Any, address: str, stack: ExitStack) -> Any:
     place, _, count = address.partition(":")
     if place == "local":
         if not count.isdecimal() or not 1 <= int(count) <= 1024:
             raise ClusterError(f"--cluster {address}: write local:N with N worker processes, 1 to 1024")
         processes = {"n_workers": int(count), "threads_per_worker": 1, "processes": True, "host": "127.0.0.1"}
-        local = distributed.LocalCluster(**processes, dashboard_address=None, silence_logs=logging.CRITICAL)
+        options = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
+        local = distributed.LocalCluster(**processes, **options)
         return stack.enter_context(distributed.Client(stack.enter_context(local)))
     try:
         return stack.enter_context(distributed.Client(address, timeout=PATIENCE))

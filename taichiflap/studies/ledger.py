@@ -1,18 +1,18 @@
 """A growing map: the points that a search has come to, each computed once, whatever asks for it and whenever."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from .. import maps
 from .._version import __version__
 from ..case import Case
 from ..design import Axis, Design, Value
-from ..maps import MapError, Outcome
+from ..maps import MapError
+from ..outcome import Outcome
 from .quantities import QUANTITIES
-from .sweep import fill
+from .sweep import Progress, fill
 
 Point = tuple[Value, ...]
-Progress = Callable[[float, int], None]
 
 
 class Ledger:

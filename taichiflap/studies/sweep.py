@@ -1,5 +1,6 @@
 """Run every case of a design that a map file lacks, batch by batch, here or on a cluster."""
 
+import functools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,22 +10,45 @@ from .. import maps
 from .._version import __version__
 from ..case import Case, CaseError
 from ..design import Design, design
-from ..maps import Map, MapError, Outcome
-from .batch import Batch, batches, compute
+from ..maps import Map, MapError
+from ..outcome import Outcome
+from .batch import Batch, batches, compute, whole_work
 from .quantities import QUANTITIES, choose
 
-Progress = Callable[[float, int], None]
-"""Called with the cases done, the running ones in part, and all cases."""
+Progress = Callable[[float, int, float], None]
+"""Called with the cases done, the running ones in part; all cases; and the share of this call's work that is done."""
+
+
+@dataclass
+class Tally:
+    """How far a study is: cases done of all, and work done (pair interactions) of what was to do."""
+
+    done: int
+    cases: int
+    work: float
+    told: Progress | None
+    spent: float = 0.0
+
+    def tell(self, batch: Batch | None = None, share: float = 0.0) -> None:
+        """Tell how far the study is with a share of a batch."""
+        cases, work = (share * len(batch.cases), share * batch.work) if batch else (0.0, 0.0)
+        if self.told:
+            self.told(self.done + cases, self.cases, min((self.spent + work) / self.work, 1.0) if self.work else 1.0)
+
+    def add(self, cases: int, work: float) -> None:
+        """Count cases as done, and tell so."""
+        self.done, self.spent = self.done + cases, self.spent + work
+        self.tell()
 
 
 @dataclass(frozen=True)
 class Spec:
-    """How batches are to be run: what to keep of each case, the threads, and whom to tell how many more are done."""
+    """How batches are to be run: what to keep of each case, the threads, and whom to tell the share that is done."""
 
     metrics: list[str]
     keep_series: bool
     threads: int | None
-    progress: Callable[[float], None]
+    progress: Callable[[Batch, float], None]
 
 
 def sweep(
@@ -53,7 +77,7 @@ def sweep(
         keep: `"series"` keeps the time series too.
         cluster: address of a Dask scheduler, or `"local:N"` for N worker processes here.
         threads: how many threads to use; all of them if None. It does not change any result.
-        progress: called with the number of cases done and of all cases.
+        progress: called with the number of cases done, of all cases, and the share of the work that is done.
         overwrite: replace an existing file of another design.
 
     Raises:
@@ -105,41 +129,32 @@ def fill(
         ClusterError: when the cluster does not answer, or cannot run taichiflap.
     """
     pending = sheet.pending
-    total = sheet.design.size
-    done = total - len(pending)
-
-    def tell(more: float) -> None:
-        if progress:
-            progress(done + more, total)
+    work = whole_work(sheet.case, sheet.design, pending) if progress else 0.0
+    tally = Tally(sheet.design.size - len(pending), sheet.design.size, work, progress)
 
     def sound(found: Iterable[Any]) -> Iterator[Batch]:
         """Batches alone; a case whose values do not go together is recorded as failed on the way."""
-        nonlocal done
         for one in found:
             if isinstance(one, Batch):
                 yield one
             else:
                 number, error = one
                 sheet.record([number], [Outcome(reason=_sentence(error))])
-                done += 1
+                tally.add(1, 0.0)
 
-    spec = Spec(sheet.metrics, sheet.keeps_series, 1 if cluster else threads, tell)
+    spec = Spec(sheet.metrics, sheet.keeps_series, 1 if cluster else threads, tally.tell)
     found = sound(batches(sheet.case, sheet.design, pending, spec.threads))
-    tell(0.0)
+    tally.tell()
     for batch, outcomes in _there(cluster, found, spec) if cluster and len(pending) else here(found, spec):
         sheet.record(batch.numbers, outcomes)
-        done += len(batch.numbers)
-        tell(0.0)
+        tally.add(len(batch.numbers), batch.work)
     sheet.finish()
 
 
 def here(found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outcome]]]:
     """Run batches in this process, one after the other."""
     for batch in found:
-
-        def tell(share: float, count: int = len(batch.cases)) -> None:
-            spec.progress(share * count)
-
+        tell = functools.partial(spec.progress, batch)
         yield batch, compute(batch.cases, spec.metrics, spec.keep_series, spec.threads, tell)
 
 

@@ -1,0 +1,165 @@
+"""How a map lies in HDF5: room for every case, laid out before the first one runs, as xarray and netCDF4 know it."""
+
+import math
+import time
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import h5py
+import numpy as np
+
+from . import intact
+from ._version import __version__
+from .case import Case, parse_case
+from .design import MOST_CASES, Axis, Design
+from .intact import DamageError
+from .outcome import COMPLETE, FAILED, TO_DO
+from .problems import key_units
+from .variables import VARIABLES, Variable
+
+FORMAT = 1
+"""Version of the layout; a reader refuses files of a newer one."""
+FLAGS = np.array([TO_DO, COMPLETE, FAILED], "i1")
+SAMPLE, FRAME = "sample", "frame"
+SAMPLE_CHUNK = 1024
+NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
+_TEXT = h5py.string_dtype()
+
+
+def lay_out(file: Any, case: Case, design: Design, metrics: Mapping[str, Variable], series: bool, title: str) -> None:
+    """Make an empty file a map with all cases to do."""
+    now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+    file.attrs.update(
+        {
+            "Conventions": "CF-1.11",
+            "title": title,
+            "source": f"taichiflap {__version__}",
+            "history": f"{now} begun with taichiflap {__version__}",
+            "taichiflap_map": FORMAT,
+            "case": case.to_toml(),
+            "keys": " ".join(axis.key for axis in design.axes),
+            "grid": int(design.grid),
+            "metrics": " ".join(metrics),
+            "series": int(series),
+            "state": "running",
+        }
+    )
+    if not design.grid:
+        file.attrs["coordinates"] = file.attrs["keys"]
+        axis = file.create_dataset(SAMPLE, data=np.arange(design.size), maxshape=(None,), chunks=(SAMPLE_CHUNK,))
+        axis.make_scale(SAMPLE)
+    for axis in design.axes:
+        _lay_axis(file, axis, design.grid)
+    statuses = file.create_dataset("status", **_room(design, "i1", TO_DO))
+    statuses.attrs["flag_values"] = FLAGS
+    statuses.attrs["flag_meanings"] = "to_do complete failed"
+    _describe(file, statuses, Variable((), "", "what came of the case"), dimensions(design))
+    reasons = file.create_dataset("reason", **_room(design, _TEXT, ""))
+    _describe(file, reasons, Variable((), "", "why a failed case has no metrics"), dimensions(design))
+    for name, variable in metrics.items():
+        _describe(file, file.create_dataset(name, **_room(design, "f8", np.nan)), variable, dimensions(design))
+    file.flush()
+
+
+def series_of(file: Any, design: Design, name: str, frames: int) -> Any:
+    """The dataset of a time series, with room for at least so many frames of every case."""
+    shape = design.shape
+    if FRAME not in file:
+        axis = file.create_dataset(FRAME, (0,), "f4", maxshape=(None,), chunks=(1024,))
+        axis.make_scale(NO_COORDINATE)
+    if len(file[FRAME]) < frames:
+        file[FRAME].resize(frames, axis=0)
+    if name not in file:
+        dataset = file.create_dataset(
+            name, (*shape, frames), "f8", maxshape=(*shape, None), fillvalue=np.nan,
+            chunks=(*(1 for _ in shape), max(1, frames)), compression=1, shuffle=True,
+        )  # fmt: skip
+        variable = VARIABLES.get(name, Variable((), "s", "time", "t"))
+        _describe(file, dataset, variable, (*dimensions(design), FRAME))
+    if file[name].shape[-1] < frames:
+        for kept in ("time", *VARIABLES):
+            if kept in file:
+                file[kept].resize(frames, axis=len(shape))
+    return file[name]
+
+
+def check(file: Any) -> None:
+    """Refuse a file that a reader could trip over.
+
+    Raises:
+        DamageError: when something is missing, cut off, elsewhere or of an impossible size.
+    """
+    said = {name: intact.attribute(file, name) for name in ("title", "source", "keys", "metrics", "grid", "series")}
+    keys, grid = said["keys"].split(), bool(said["grid"])
+    lengths = tuple(intact.array(file, key, (None,), "ifO", whole=False)[0] for key in keys)
+    shape = lengths if grid else lengths[:1]
+    if not keys or math.prod(shape) > MOST_CASES or (not grid and len(set(lengths)) > 1):
+        raise DamageError(f"a design of {' x '.join(map(str, lengths))} cases")
+    intact.array(file, "status", shape, "i", whole=False)
+    intact.array(file, "reason", shape, "O", whole=False)
+    for name in said["metrics"].split():
+        intact.array(file, name, shape, "f", whole=False)
+    for name in ("time", *VARIABLES):
+        if name in file:
+            intact.array(file, name, (*shape, None), "f", whole=False)
+    if not grid:
+        intact.array(file, SAMPLE, shape, "i", whole=False)
+
+
+def read_case(file: Any, source: str) -> Case:
+    """The base case.
+
+    Raises:
+        CaseError: when it is no longer valid.
+    """
+    return parse_case(tomllib.loads(intact.attribute(file, "case")), source)
+
+
+def read_design(file: Any) -> Design:
+    """The design."""
+    axes = []
+    for key in intact.attribute(file, "keys").split():
+        dataset = file[key]
+        text = h5py.check_string_dtype(dataset.dtype)
+        values = map(intact.plain, dataset.asstr(errors="replace")[...]) if text else dataset[...].tolist()
+        axes.append(Axis(key, tuple(values)))
+    return Design(tuple(axes), bool(intact.attribute(file, "grid")))
+
+
+def dimensions(design: Design) -> tuple[str, ...]:
+    """Names of a map's dimensions."""
+    return tuple(axis.key for axis in design.axes) if design.grid else (SAMPLE,)
+
+
+def scatter(dataset: Any, places: np.ndarray, values: Sequence[float]) -> None:
+    """Write single points in one call; h5py's own indexing takes one a call."""
+    space = dataset.id.get_space()
+    space.select_elements(places.astype(np.uint64))
+    dataset.id.write(h5py.h5s.create_simple((len(values),)), space, np.array(values, dataset.dtype))
+
+
+def _room(design: Design, kind: Any, fill: Any) -> dict[str, Any]:
+    room = {"shape": design.shape, "dtype": kind, "fillvalue": fill}
+    if not design.grid:
+        room |= {"maxshape": (None,), "chunks": (SAMPLE_CHUNK,)}
+    return room
+
+
+def _lay_axis(file: Any, axis: Axis, grid: bool) -> None:
+    values = np.array(axis.values) if axis.numeric else np.array(axis.values, dtype=object)
+    growth = {} if grid else {"maxshape": (None,), "chunks": (SAMPLE_CHUNK,)}
+    dataset = file.create_dataset(axis.key, data=values, dtype=None if axis.numeric else _TEXT, **growth)
+    if grid:
+        dataset.make_scale(axis.key)
+    else:
+        dataset.dims[0].attach_scale(file[SAMPLE])
+    units, text = key_units(axis.key, Case)
+    dataset.attrs.update({name: value for name, value in (("units", units), ("long_name", text)) if value})
+
+
+def _describe(file: Any, dataset: Any, variable: Variable, names: Sequence[str]) -> None:
+    words = {name: getattr(variable, name) for name in ("units", "long_name", "symbol", "comment")}
+    dataset.attrs.update({name: text for name, text in words.items() if text})
+    for position, name in enumerate(names):
+        dataset.dims[position].attach_scale(file[name])
