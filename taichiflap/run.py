@@ -151,10 +151,12 @@ def _run(
                 writer.keep(Checkpoint(march.next_step, solve_time, march.state(b)))
             if progress:
                 progress(min(march.next_step, march.steps), march.steps)
-        return [
-            writer.finish("failed" if (reason := march.reason(b)) else "complete", solve_time, reason)
-            for b, writer in enumerate(writers)
-        ]
+        results = []
+        for b, writer in enumerate(writers):
+            reason = march.reason(b)
+            more = [] if reason else plausible.outcome(writer.case, writer.written("tip_deflection"))
+            results.append(writer.finish("failed" if reason else "complete", solve_time, reason, more))
+        return results
     except BaseException:
         for writer in writers:
             writer.abandon()

@@ -11,7 +11,7 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,8 @@ NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
 """What netCDF-4 calls a dimension scale that holds no values."""
 REASON_BYTES = 512
 """Room for the reason of a failure."""
+WARNING_BYTES = 512
+"""Room for what turns out to be implausible in the end."""
 
 
 class WriteError(ResultError):
@@ -115,6 +117,12 @@ class Writer:
         """Frames that the file holds."""
         return Result(self._file).frames
 
+    def written(self, name: str) -> np.ndarray:
+        """What was appended of a variable of one value a frame; past HDF5, which need not know of it yet."""
+        offset, kind = self._places[name]
+        self._raw.seek(offset)
+        return np.frombuffer(self._raw.read(self.frames * kind.itemsize), kind)
+
     def rewind(self, frames: int) -> None:
         """Go on after so many frames; those behind are written anew."""
         self.frames = frames
@@ -167,20 +175,24 @@ class Writer:
             raise WriteError(f"{self.path}: its checkpoint cannot be written: {first_line(error)}") from None
         self._kept = time.monotonic()
 
-    def finish(self, status: str = "complete", solve_time: float = np.nan, reason: str = "") -> Result:
+    def finish(
+        self, status: str = "complete", solve_time: float = np.nan, reason: str = "", warnings: Sequence[str] = ()
+    ) -> Result:
         """Close the file under its final name and open it for reading.
 
         Args:
             status: `complete` or `failed`.
             solve_time: seconds spent on the physics.
             reason: why the run failed.
+            warnings: what makes its outcome implausible.
 
         Raises:
             WriteError: when the file cannot get its name; it stays under its `.part` name.
         """
         try:
-            for name, value in {"status": status, "reason": reason}.items():
-                self._file.attrs.modify(name, np.bytes_(value.encode()[:REASON_BYTES]))
+            warned = "\n".join([*self._warnings, *warnings])
+            for name, value in {"status": status, "reason": reason, "warnings": warned}.items():
+                self._write(name, value)
             self._file.attrs.modify("solve_time", solve_time)
             if self.path is None:
                 return Result(self._file)
@@ -191,6 +203,11 @@ class Writer:
         except OSError as error:
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
         return open_result(self.path)
+
+    def _write(self, name: str, value: str) -> None:
+        """Change an attribute of fixed size where it stands."""
+        room = self._file.attrs.get_id(name).dtype.itemsize
+        self._file.attrs.modify(name, np.bytes_(value.encode()[:room]))
 
     def abandon(self) -> None:
         """Close the file where it stands, under its `.part` name if it has one."""
@@ -253,13 +270,17 @@ class Writer:
                 "history": f"{now} computed with taichiflap {__version__}",
                 "taichiflap_format": FORMAT,
                 "case": self.case.to_toml(),
-                "warnings": "\n".join(self._warnings),
                 "solve_time": np.nan,
             }
         )
         # Of fixed size, so that they too change where they stand.
-        self._file.attrs.create("status", b"running", dtype=h5py.string_dtype("utf-8", len("complete")))
-        self._file.attrs.create("reason", b"", dtype=h5py.string_dtype("utf-8", REASON_BYTES))
+        warned = "\n".join(self._warnings).encode()
+        for name, value, room in (
+            ("warnings", warned, len(warned) + WARNING_BYTES),
+            ("status", b"running", len("complete")),
+            ("reason", b"", REASON_BYTES),
+        ):
+            self._file.attrs.create(name, value, dtype=h5py.string_dtype("utf-8", room))
 
     def _lay_out_axes(self, frames: int, nodes: np.ndarray, section: Modes) -> None:
         self._make_axis("time", _place(self._file, "time", (frames,), "f8", fillvalue=np.nan))

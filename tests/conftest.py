@@ -1,6 +1,9 @@
 """Shared helpers: cases from the shipped files, and marches that keep all their frames."""
 
+import os
+import runpy
 import signal
+import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,6 +16,13 @@ from taichiflap.errors import UserError
 from taichiflap.march import March
 
 CASES = Path(__file__).parent.parent / "cases"
+
+# This process and those that it starts watch their sockets.
+SOCKETS = Path(__file__).parent / "sockets"
+if "TAICHIFLAP_SOCKETS" not in os.environ:
+    os.environ["TAICHIFLAP_SOCKETS"] = tempfile.mkstemp(prefix="sockets")[1]
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(SOCKETS), os.environ.get("PYTHONPATH"))))
+runpy.run_path(str(SOCKETS / "sitecustomize.py"))
 
 # A job started in the background by a shell ignores Ctrl-C, and so would the commands that the tests interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -63,3 +73,11 @@ def assert_columns_agree(ours, theirs, tolerance):
     difference = np.abs(ours - theirs).max(axis=0, initial=0.0)
     size = np.abs(theirs).max(axis=0, initial=0.0)
     assert np.all(difference <= tolerance * size + 1e-15 * size.max(initial=0.0)), (difference, size)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _all_stays_on_this_machine():
+    """Of everything that the tests run, every command among it, nothing looks beyond the loopback."""
+    yield
+    noted = Path(os.environ["TAICHIFLAP_SOCKETS"]).read_text()
+    assert not noted, noted

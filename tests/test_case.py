@@ -267,6 +267,11 @@ def test_the_template_is_a_valid_case_that_names_every_key():
         ("wing.thickness=[[0, 0.01], [1, 0]]", "wing.thickness = 0.01 m is over a fifth of the chord"),
         ("wing.density=[[0, 1000], [1, 1]]", "wing.density = 1 kg/m3"),
         ("wing.youngs_modulus=[[0, 2e9], [1, 1e9]]", "below the flapping frequency"),
+        ("wing.density=1.5", "the wing weighs 6e-08 kg, 0.0031 times the fluid that moves with it"),  # 1,000 times less
+        ("fluid.density=0.001", "the wing weighs 4e-05 kg, 2.5e+03 times the fluid"),
+        ("fluid.velocity=[40.0, 100.0]", "moves through the fluid at 108 m/s, but air is compressed at such speeds"),
+        ("motion.frequency=0.2", "the Reynolds number is about 24 if the fluid is air"),
+        ("fluid.density=998.0", "0.0026 times the fluid that moves with it"),
     ],
 )
 def test_implausible_cases_are_warned_about(setting, phrase):

@@ -35,9 +35,10 @@ def cluster(tmp_path):
     quiet = {"cwd": tmp_path, "env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     address_file = tmp_path / "scheduler.json"
     dask = [sys.executable, "-m", "distributed.cli.dask_{}"]
-    common = ["--scheduler-file", str(address_file), "--no-dashboard"]
-    options = ["--port", "0", "--host", "127.0.0.1"]
-    processes = [subprocess.Popen([*dask[:2], dask[2].format("scheduler"), *common, *options], **quiet)]
+    common = ["--scheduler-file", str(address_file)]
+    # Dask's own programs listen everywhere unless told not to, with --no-dashboard too.
+    common += ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0"]
+    processes = [subprocess.Popen([*dask[:2], dask[2].format("scheduler"), *common, "--port", "0"], **quiet)]
     while not address_file.exists() or not address_file.stat().st_size:
         time.sleep(0.1)
     worker = [*dask[:2], dask[2].format("worker"), *common, "--nthreads", "1", "--no-nanny"]

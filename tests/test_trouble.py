@@ -8,6 +8,7 @@ import socket
 import tempfile
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from conftest import hawkmoth
@@ -171,6 +172,39 @@ def test_no_file_tells_of_the_machine_that_made_it(tmp_path, whole, monkeypatch)
     for file in written:
         assert not told(file.read_bytes()), file
     assert told(f"{tempfile.gettempdir()}/x".encode())
+
+
+def test_what_came_of_a_case_is_looked_at_too(tmp_path, monkeypatch):
+    """In the file and in the summary; the same when the run was interrupted, for the peak may lie before that."""
+    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
+    gentle = ("motion.plunge.amplitude=0.002", "motion.pitch.amplitude_deg=2.0", "fluid.velocity=[1.0, 0.0]")
+    for name, settings, phrases in (
+        ("gentle", gentle, []),
+        (
+            "bent",
+            SHORT,
+            ["the trailing edge bends by up to 0.4", "the flow meets the chord at 77 deg where it is fast"],
+        ),
+        ("blades", (*SHORT, "solver=dbet"), ["the trailing edge bends by up to 0.4"]),
+    ):
+        path = tmp_path / f"{name}.h5"
+        case = hawkmoth(*SHORT, *settings)
+
+        def interrupt(done, total):
+            if done > 0.8 * total:
+                raise KeyboardInterrupt
+
+        with contextlib.suppress(KeyboardInterrupt):
+            taichiflap.simulate(case, path, progress=interrupt)
+        with taichiflap.simulate(case, path, resume=True) as result, taichiflap.simulate(case) as in_memory:
+            said = result.attributes["warnings"]
+            assert said == in_memory.attributes["warnings"]
+            assert [line in "\n".join(summary_lines(result)) for line in said.splitlines()] == [True] * len(phrases)
+            for line, phrase in zip(said.splitlines(), phrases, strict=True):
+                assert line.startswith(phrase)
+        with h5py.File(path) as plain:
+            assert plain.attrs["warnings"].decode() == said
 
 
 def test_a_file_as_large_as_a_disk_is_warned_of():

@@ -56,9 +56,12 @@ def there(
         while running:
             future = next(coming)
             batch = running.pop(future)
-            if future.status != "finished":
-                raise ClusterError(f"--cluster {address}: a batch of cases failed on a worker: {future.exception()}")
-            yield batch, future.result()
+            try:
+                # Waits once more where the worker that finished it has died since.
+                outcomes = future.result()
+            except Exception as error:
+                raise ClusterError(f"--cluster {address}: a batch of cases failed on a worker: {error}") from None
+            yield batch, outcomes
             send()
 
 
