@@ -50,7 +50,7 @@ class Frame:
         wake: positions of the wake vortices, oldest first, shape (vortex, 2).
         circulation: of the wake vortices, m2/s.
         bound: circulation of the bound vortices, m2/s; empty without a vortex model.
-        drawn: what has been drawn of the frame, for all browsers of one style.
+        drawn: what has been drawn of the frame, by style and layer, for all browsers of that style.
     """
 
     index: int
@@ -65,7 +65,7 @@ class Frame:
     wake: Array
     circulation: Array
     bound: Array
-    drawn: dict[Hashable, Any] = field(default_factory=dict, compare=False, repr=False)
+    drawn: dict[Hashable, dict[str, Any]] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def size(self) -> int:

@@ -133,23 +133,21 @@ class Actor:
                 precision="float32",
             )
 
-    def show(self, index: int, shown: dict[str, bool]) -> Frame:
+    def show(self, index: int, shown: dict[str, bool]) -> None:
         """Move to a frame; layers that are not shown are not sent."""
         frame = self.run.frame(index)
-        self._move("wing", self.wing, frame)
+        drawn = frame.drawn.setdefault(self._style, {})
+        handles = {"wing": self.wing}
         for name, handle in self.layers.items():
             visible = shown[name] and (name != "wake" or len(frame.wake) > 0)
             if visible:
-                self._move(name, handle, frame)
+                handles[name] = handle
             if handle.visible != visible:
                 handle.visible = visible
-        return frame
-
-    def _move(self, name: str, handle: Any, frame: Frame) -> None:
-        key = name, self._style
-        if key not in frame.drawn:
-            frame.drawn[key] = self._draw(name, frame)
-        wire.send(handle, **frame.drawn[key])
+        for name, handle in handles.items():
+            if name not in drawn:
+                drawn[name] = self._draw(name, frame)
+            wire.send(handle, **drawn[name])
 
     def _draw(self, name: str, frame: Frame) -> dict[str, NDArray[Any]]:
         if name == "wing":
