@@ -108,7 +108,7 @@ def array(values: Any, dtype: type | None = None) -> Any:
     return made
 
 
-def octets(values: np.ndarray) -> Any:
+def octet_array(values: np.ndarray) -> Any:
     """A Taichi array of octets that holds `values`, whose last axis is a multiple of eight."""
     made = ti.ndarray(Octet, (*values.shape[:-1], values.shape[-1] // 8))
     view(made)[...] = values.reshape(*made.shape, 8)

@@ -10,9 +10,10 @@ import numpy as np
 from . import checkpoint, fluids, plausible, series
 from .case import Case
 from .checkpoint import Checkpoint
+from .claims import finished
 from .march import March
 from .results import Result, ResultError
-from .writer import Writer, finished
+from .writer import Writer
 
 Progress = Callable[[int, int], None]
 """Called with the steps done and all steps, after every block."""

@@ -27,7 +27,7 @@ from ..body import (
     UNSTEADY,
     array,
     most_modes,
-    octets,
+    octet_array,
     pivot_velocity,
 )
 from ..case import Case
@@ -82,8 +82,8 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]
         lift_max=array([case.dbet.lift_max for case in cases], float),
         drag_min=array([case.dbet.drag_min for case in cases], float),
         drag_max=array([case.dbet.drag_max for case in cases], float),
-        element=octets(element),
-        shape=octets(shape),
+        element=octet_array(element),
+        shape=octet_array(shape),
     )
     return {"flow": flow}
 
