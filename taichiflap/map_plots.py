@@ -13,6 +13,7 @@ from . import outputs, palette
 from .design import Axis
 from .map_names import LIFT, METRICS, POWER, factor_of, is_log, label, named, short
 from .maps import Map, MapError
+from .pareto import pareto_front
 from .plots import FORMATS, RESOLUTION, STYLE, WIDTH
 
 if TYPE_CHECKING:
@@ -163,15 +164,6 @@ def pareto(sheet: Map) -> Figure:
     ax.set_ylabel("Mean vertical force (mN)")
     ax.legend()
     return figure
-
-
-def pareto_front(cost: np.ndarray, gain: np.ndarray) -> np.ndarray:
-    """Places of the points that no other beats in cost and in gain, by rising cost; not-a-numbers have no place."""
-    order = np.lexsort((-gain, cost))
-    order = order[np.isfinite(cost[order]) & np.isfinite(gain[order])]
-    best = np.maximum.accumulate(gain[order])
-    first = np.r_[True, best[1:] > best[:-1]] if len(order) else np.empty(0, bool)
-    return order[first]
 
 
 def _write(figures: dict[str, Figure], stem: Path, overwrite: bool) -> list[Path]:

@@ -10,6 +10,7 @@ from taichiflap.design import DesignError, design
 from taichiflap.errors import UserError
 from taichiflap.maps import MapError
 from taichiflap.outcome import Outcome
+from taichiflap.pareto import pareto_front
 from taichiflap.studies import converge as convergence
 from taichiflap.studies.converge import ConvergeError, converge, read_tolerance
 from taichiflap.studies.expression import ExpressionError, read_constraint, read_expression
@@ -222,11 +223,11 @@ def filled(vary, values, sample=None):
 def test_no_point_of_a_pareto_front_is_beaten_and_all_others_are(rng):
     cost, gain = rng.normal(size=(2, 200))
     cost[3] = np.nan
-    front = map_plots.pareto_front(cost, gain)
+    front = pareto_front(cost, gain)
     beaten = [np.any((cost <= cost[i]) & (gain >= gain[i]) & ((cost < cost[i]) | (gain > gain[i]))) for i in range(200)]
     assert set(front) == {i for i in range(200) if not beaten[i]} - {3}
     assert np.all(np.diff(cost[front]) > 0)
-    assert not len(map_plots.pareto_front(np.array([np.nan]), np.array([1.0])))
+    assert not len(pareto_front(np.array([np.nan]), np.array([1.0])))
 
 
 @pytest.mark.parametrize(

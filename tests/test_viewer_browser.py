@@ -21,10 +21,11 @@ from matplotlib.image import imread
 from taichiflap_viewer import Viewer
 from taichiflap_viewer.colours import DARK, LIGHT, METRIC, linear, rgb
 from taichiflap_viewer.map import MapViewer
-from taichiflap_viewer.map_session import HEIGHT, WIDTH
+from taichiflap_viewer.map_scene import HEIGHT, WIDTH
 from test_cli import frames_in
 
 import taichiflap
+from taichiflap.pareto import pareto_front
 
 CHROMIUM = shutil.which("chromium")
 FLAGS = [
@@ -415,6 +416,14 @@ def test_a_click_on_a_map_computes_its_case_and_shows_it(tmp_path, look):
         power = found.power_mean.values.ravel()
         share = (points[:, 0] - points[:, 0].min()) / np.ptp(points[:, 0])
         np.testing.assert_allclose(share, (power - power.min()) / np.ptp(power), atol=1e-5)
+        choose(page, "Up", "Mean vertical force (mN)")
+        page.wait_for_function(f"() => {NODE.format('/map/front/0')}")
+        line = floats(page, "/map/front/0").reshape(-1, 2, 3)
+        points = floats(page, "/map/points").reshape(-1, 3)
+        front = pareto_front(power, lift.ravel())
+        np.testing.assert_allclose(line[:, 0, [0, 2]], points[front[:-1]][:, [0, 2]], atol=1e-6)
+        np.testing.assert_allclose(line[-1, 1, [0, 2]], points[front[-1]][[0, 2]], atol=1e-6)
+        assert "no other beats" in legend.inner_text()
     finally:
         viewer.stop()
     assert [path.name[:2] for path in (tmp_path / "map-cases").iterdir()] == ["2-"]

@@ -74,6 +74,26 @@ def test_a_scatter_has_every_case_at_its_place(sample):
     assert picture.at(0.02, 0.02) is None
 
 
+def test_each_kind_of_case_has_its_front_of_lift_against_power():
+    """Lift rises and power falls with a case's number, so that the last of each kind beats all others of it."""
+    sheet = sheet_of(None, "sobol:32", fail=[7])
+    for choice in (Choice("power_mean", "force_vertical_mean", "power_mean"),
+                   Choice("force_vertical_mean", "power_mean", "power_mean")):  # fmt: skip
+        kinds = [sheet.design.point(number)["solver"] for number in range(32)]
+        last = {kind: number for number, kind in enumerate(kinds) if number != 7}
+        assert sorted(int(number) for front in read(sheet, choice).fronts for number in front) == sorted(last.values())
+    assert read(sheet, Choice("wing.youngs_modulus", "force_vertical_mean", "power_mean")).fronts == ()
+
+
+def test_ticks_are_round_and_zero_has_no_sign():
+    case = hawkmoth()
+    sheet = maps.create(None, case, design(case, {"wing.youngs_modulus": "5e9:60e9:8"}), METRICS)
+    outcomes = [Outcome({"force_vertical_mean": 1e-3 * lift, "power_mean": 1.0}) for lift in np.linspace(-4.5, 9.6, 8)]
+    sheet.record(range(8), outcomes)
+    picture = read(sheet, Choice("wing.youngs_modulus", "force_vertical_mean", "power_mean"))
+    assert picture.up.texts == ["-4", "-2", "0", "2", "4", "6", "8"]
+
+
 def test_keys_of_a_sample_are_drawn_by_logarithm_and_by_name():
     sheet = sheet_of(None, "sobol:32")
     picture = read(sheet, Choice("wing.youngs_modulus", "solver", "power_mean"))

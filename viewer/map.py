@@ -12,7 +12,8 @@ from taichiflap.maps import open_map
 
 from . import camera
 from .frames import Run
-from .map_session import BOX, MapSession
+from .map_scene import BOX
+from .map_session import MapSession
 from .server import Server
 
 

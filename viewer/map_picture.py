@@ -4,17 +4,20 @@ Every combination of two keys is a cell of a heat map; anything else over anythi
 point for every case.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taichiflap.design import Axis
-from taichiflap.map_names import METRICS, factor_of, is_log, short
+from taichiflap.map_names import LIFT, METRICS, POWER, factor_of, is_log, short
 from taichiflap.maps import Map
+from taichiflap.pareto import pareto_front
 
 MOST_TICKS = 6
+MOST_STEPS = 8
+"""Ticks along an edge: of cells, and steps between those of points."""
 NEAR = 0.03
 """A click reaches a point at this share of the picture's width, or less."""
 MARGIN = 0.04
@@ -49,6 +52,7 @@ class Picture:
         numbers: of the cases, shape (rows, columns) from the lowest row, or (points,).
         values: of the metric that gives the colour, alike; not-a-number where a case has none.
         points: where the points are, shape (points, 2); None for cells.
+        fronts: of lift against power, for every kind of case: the points that none of its kind beats in both.
         across, up: what the lower and the left edge say.
     """
 
@@ -57,6 +61,7 @@ class Picture:
     points: Array | None
     across: Ticks
     up: Ticks
+    fronts: Sequence[NDArray[np.intp]] = ()
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -105,12 +110,22 @@ def read(sheet: Map, choice: Choice) -> Picture:
         return Picture(cells, values[cells], None, across, up)
     sides = [_of_points(sheet, name) for name in (choice.across, choice.up)]
     points = np.stack([places for places, _ in sides], axis=1)
-    return Picture(numbers, values, points, sides[0][1], sides[1][1])
+    fronts = _fronts(sheet) if {choice.across, choice.up} == {LIFT, POWER} else ()
+    return Picture(numbers, values, points, sides[0][1], sides[1][1], fronts)
 
 
 def _is_heat_map(sheet: Map, choice: Choice) -> bool:
     keys = [axis.key for axis in sheet.design.axes]
     return sheet.design.grid and choice.across != choice.up and choice.across in keys and choice.up in keys
+
+
+def _fronts(sheet: Map) -> list[NDArray[np.intp]]:
+    """Pareto fronts of lift against power: one for each value of the first key of text, or one of all cases."""
+    lift, power = sheet.values(LIFT).ravel(), sheet.values(POWER).ravel()
+    texts = [_column(sheet, axis.key) for axis in sheet.design.axes if not axis.numeric]
+    kinds = texts[0] if texts else np.zeros(len(lift))
+    alike = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
+    return [numbers[pareto_front(power[numbers], lift[numbers])] for numbers in alike]
 
 
 def _axis(sheet: Map, name: str) -> Axis | None:
@@ -168,7 +183,8 @@ def _round_numbers(values: Array, log: bool) -> Array:
         return marks if len(marks) <= MOST_TICKS + 2 else marks[:: -(-len(marks) // MOST_TICKS)]
     if low == high:
         return np.array([low])
-    rough = (high - low) / (MOST_TICKS - 1)
+    rough = (high - low) / MOST_STEPS
     power = 10.0 ** np.floor(np.log10(rough))
     step = next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= rough * (1.0 - 1e-9))
-    return step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1.0)
+    # Adding zero takes the sign from a zero that has one.
+    return step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1.0) + 0.0

@@ -15,24 +15,17 @@ from taichiflap.map_names import named
 from taichiflap.maps import Map, open_map
 from taichiflap.outcome import COMPLETE, FAILED
 
-from . import camera, labels, map_picture
+from . import camera, labels, map_picture, map_scene
 from .colours import METRIC, theme
 from .field import Fields
 from .frames import Run
 from .legend import Bar, bar_html
-from .map_picture import Picture
 from .panel import WIDTH as PANEL_WIDTH
-from .scene import place
 from .session import Session
 from .session import opening as opening_of_a_run
 
-WIDTH, HEIGHT = 10.0, 6.5
-"""Size of the picture in the scene."""
-BOX = (-1.1, -1.1, WIDTH + 0.3, HEIGHT + 0.3)
-PIXELS = 1024
-"""A heat map is drawn with at least half so many pixels, so that its cells have sharp edges."""
-POINT_SIZE = 0.12
 BACK = "Back to the map"
+FRONT = "Line: cases that no other beats in both lift and power. "
 
 OpenCase = Callable[[int, Callable[[int, int], None]], Run]
 
@@ -96,7 +89,7 @@ class MapSession:
             self._legend = gui.add_html("")
             self._message = gui.add_html("")
             self._draw(sheet)
-        self.view = camera.View(client, BOX)
+        self.view = camera.View(client, map_scene.BOX)
         camera.lock_rotation(client)
 
     def _add_dropdown(self, title: str, of: str, names: dict[str, str]) -> None:
@@ -140,57 +133,22 @@ class MapSession:
         for key, handle in self._fixed:
             handle.visible = key in held
         self.picture = map_picture.read(sheet, self.choice)
-        client.scene.reset()
-        self._draw_cases(self.picture)
-        self._draw_edges(named(self.choice.across, sheet), named(self.choice.up, sheet))
+        names = named(self.choice.across, sheet), named(self.choice.up, sheet)
+        map_scene.draw(client.scene, self.picture, *names, self._theme)
         low, high = self.picture.limits
         title, _, unit = named(self.choice.colour, sheet).partition(" (")
         bar = bar_html(Bar(escape(title), METRIC, _digits(low), _digits(high), unit.rstrip(")") or "no unit"))
         self._legend.content = (
             f'<div data-legend style="padding:4px;line-height:1.45;font-size:12px">{bar}'
-            "Grey: a case without this metric. A click on a case opens it.</div>"
+            f"Grey: a case without this metric. {FRONT if self.picture.fronts else ''}A click on a case opens it.</div>"
         )
 
-    def _draw_cases(self, picture: Picture) -> None:
-        low, high = picture.limits
-        colours = METRIC.between(np.nan_to_num(picture.values, nan=low), low, high)
-        colours[~np.isfinite(picture.values)] = self._theme.faint
-        if picture.points is None:
-            rows, columns = picture.numbers.shape
-            repeat = max(1, PIXELS // max(rows, columns))
-            image = np.kron(colours[::-1], np.ones((repeat, repeat, 1), dtype=np.uint8))
-            self.client.scene.add_image(
-                "/map/cells", image, WIDTH, HEIGHT, format="png", wxyz=(np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0),
-                position=place(np.array([0.5 * WIDTH, 0.5 * HEIGHT]), 0.02), cast_shadow=False, receive_shadow=False,
-            )  # fmt: skip
-        else:
-            there = np.isfinite(picture.points).all(axis=1)
-            self.client.scene.add_point_cloud(
-                "/map/points", place(picture.points[there] * (WIDTH, HEIGHT), 0.0), colours[there],
-                point_size=POINT_SIZE, point_shape="circle", point_shading="flat", precision="float32",
-            )  # fmt: skip
-
-    def _draw_edges(self, across: str, up: str) -> None:
-        scene, size = self.client.scene, np.array([WIDTH, HEIGHT])
-        corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]]) * size
-        frame = place(np.stack((corners[:-1], corners[1:]), axis=1), 0.0)
-        scene.add_line_segments("/map/frame", frame, self._theme.faint, thickness=1.0, thickness_units="screen")
-        ticks = self.picture.across, self.picture.up
-        for side, (axis, anchor) in enumerate(zip(ticks, ("top-center", "center-right"), strict=True)):
-            for n, (share, text) in enumerate(zip(axis.places, axis.texts, strict=True)):
-                spot = np.full(2, -0.1)
-                spot[side] = share * size[side]
-                scene.add_label(f"/map/tick/{side}/{n}", text, position=place(spot, 0.0), anchor=anchor)
-        scene.add_label("/map/across", across, position=place(np.array([0.5 * WIDTH, -0.6]), 0.0), anchor="top-center")
-        scene.add_label("/map/up", up, position=place(np.array([0.0, HEIGHT + 0.1]), 0.0), anchor="bottom-left")
-
     def _click(self, event: Any) -> None:
-        origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)
+        spot = map_scene.hit(event)
         with self._lock:
-            if self._case or self._wanted is not None or not direction[1]:
+            if self._case or self._wanted is not None or spot is None:
                 return
-            spot = origin - direction * (origin[1] / direction[1])
-            number = self.picture.at(spot[0] / WIDTH, spot[2] / HEIGHT)
+            number = self.picture.at(*spot)
             if number is None:
                 return
             self._wanted = number
