@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -115,3 +116,44 @@ def test_without_dask_the_extra_is_named(tmp_path):
     environment = {**os.environ, "PYTHONPATH": f"{tmp_path}:{CASES.parent}"}
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert (ran.returncode, 'pip install "taichiflap[cluster]"' in ran.stderr) == (2, True)
+
+
+STANDING_IN = {
+    "python": f'exec {sys.executable} "$@"',
+    "dask": f'exec {sys.executable} -m dask "$@"',
+    "taichiflap": f'exec {sys.executable} -m taichiflap "$@"',
+    "srun": 'shift 3; exec "$@"',  # -n 1 --overlap
+    "sbatch": 'bash "$1" & echo Submitted batch job $!',
+    "scancel": 'kill "$@"',
+}
+"""What the documentation's scripts call, on one machine."""
+
+
+@pytest.mark.parametrize("number", [1, 2], ids=["allocation", "jobs"])
+def test_the_documented_scripts_for_slurm_run(number, tmp_path):
+    blocks = re.findall(r"```(bash|python)\n(.*?)```", (CASES.parent / "docs" / "cluster.md").read_text(), re.DOTALL)
+    language, script = blocks[number]
+    for placeholder, value in {
+        "CASE": str(CASES / "hawkmoth_dbet.toml"),
+        "--vary ...": "--vary wing.youngs_modulus=1e10:2e10:3 --set=time.periods=2",
+        "srun -n 255": "srun -n 1",
+        "scale(256)": "scale(1)",
+        "5e9:60e9:40:log": "5e9:60e9:3:log",
+        "5:45:41": "5:45:2",
+    }.items():
+        script = script.replace(placeholder, value)
+    (tmp_path / "bin").mkdir()
+    for name, line in STANDING_IN.items():
+        (tmp_path / "bin" / name).write_text(f"#!/bin/bash\n{line}\n")
+        (tmp_path / "bin" / name).chmod(0o755)
+    (tmp_path / "script").write_text(script)
+    environment = {**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"}
+    options = {"cwd": tmp_path, "env": environment, "stderr": subprocess.STDOUT, "start_new_session": True}
+    with open(tmp_path / "said", "w") as said:
+        study = subprocess.Popen([language, "script"], stdout=said, **options)
+    try:
+        assert study.wait(200) == 0, (tmp_path / "said").read_text()
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(study.pid, signal.SIGKILL)  # scheduler and worker, which SLURM would end with the job
+    assert done(tmp_path / "map.h5") == {1: 3, 2: 6}[number]
