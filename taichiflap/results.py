@@ -118,12 +118,26 @@ class Result:
         """One frame of a variable, without reading the others."""
         return self._sound(name, self._dataset(name)[range(self.frames)[index]])
 
+    def between(self, name: str, first: int, last: int, stride: int = 1) -> np.ndarray:
+        """Every so many frames of a variable from `first` to `last`, both included, without reading the others."""
+        return self._sound(name, self._dataset(name)[first : min(last + 1, self.frames) : stride])
+
+    @property
+    def stations(self) -> np.ndarray:
+        """Places of the nodes along the undeformed chord, from the pivot, m."""
+        return self.file["node"][...]
+
+    @property
+    def has_wake(self) -> bool:
+        """Whether the model computes a wake."""
+        return "wake" in self.file
+
     def wake(self, index: int) -> dict[str, np.ndarray]:
         """Wake vortices of one frame, oldest first: `y`, `z` (m), `circulation` (m2/s) and `birth` (step).
 
         A model without a wake has none: all arrays are empty.
         """
-        if "wake" not in self.file:
+        if not self.has_wake:
             return {name: np.empty(0) for name in WAKE_VARIABLES}
         index = range(self.frames)[index]
         if not len(self._wake_ends):

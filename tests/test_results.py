@@ -62,6 +62,16 @@ def test_every_variable_has_its_frames_and_its_meaning(uvlm_file):
             assert np.isfinite(getattr(result, name)).all()
 
 
+def test_frames_can_be_read_without_all_the_others(uvlm_file):
+    with taichiflap.open_result(uvlm_file) as result:
+        assert result.has_wake
+        np.testing.assert_array_equal(result.frame("node_position", 7), result.node_position[7])
+        np.testing.assert_array_equal(result.between("q", 3, 90, 29), result.q[[3, 32, 61, 90]])
+        np.testing.assert_array_equal(result.between("time", 399, 500), result.time[399:])
+        chord = np.linalg.norm(result.node_position[0, -1] - result.node_position[0, 0])
+        assert np.ptp(result.stations) == pytest.approx(chord, rel=1e-6)
+
+
 def test_forces_agree_with_each_other(uvlm_file):
     with taichiflap.open_result(uvlm_file) as r:
         sine, cosine = np.sin(r.pitch), np.cos(r.pitch)

@@ -1,12 +1,14 @@
 """The viewer without a browser: frames, playback, colours, comparison, flow, and what it says when it cannot start."""
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
 import threading
 
+import h5py
 import msgspec
 import numpy as np
 import pytest
@@ -77,6 +79,25 @@ def test_a_wing_that_pivots_behind_its_leading_edge():
 def test_frames_are_read_one_at_a_time(run, monkeypatch):
     monkeypatch.setattr(type(run.result), "__getattr__", lambda self, name: pytest.fail(f"{name} was read whole"))
     assert run.frame(17).index == 17
+
+
+def test_curves_that_are_damaged_are_left_out_and_the_rest_is_shown(folder, tmp_path):
+    shutil.copy(folder / "modes.h5", tmp_path / "damaged.h5")
+    with h5py.File(tmp_path / "damaged.h5", "r+") as file:
+        file["power"][300], file["q"][300, 1] = 1e200, np.nan
+    damaged, sound = (
+        Run(open_result(tmp_path / "damaged.h5"), "damaged"),
+        Run(open_result(folder / "modes.h5"), "sound"),
+    )
+    for name in ("power", "q", "tip_deflection"):
+        (times, values), (expected_times, expected) = (one.series(name, 200, 400, 101) for one in (damaged, sound))
+        np.testing.assert_array_equal(times, expected_times)
+        np.testing.assert_array_equal(values, expected if name == "tip_deflection" else np.full_like(expected, np.nan))
+    np.testing.assert_array_equal(damaged.frame(299).nodes, sound.frame(299).nodes)
+    with pytest.raises(OSError, match="frame 300 cannot be read"):
+        damaged.frame(300)
+    for one in (damaged, sound):
+        one.close()
 
 
 def test_a_motion_that_does_not_repeat_opens_and_plays(tmp_path):

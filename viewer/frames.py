@@ -119,10 +119,10 @@ class Run:
     def _load(self) -> None:
         self.frames = self.result.frames
         self.status = self.result.status
-        self.has_wake = "wake" in self.result.file
+        self.has_wake = self.result.has_wake
         self.variables = self.result.variables
-        self.shape = self.result.modes.get("shape", np.zeros((0, len(self.result.file["node"]))))
-        self.station = self.result.file["node"][...]
+        self.station = self.result.stations
+        self.shape = self.result.modes.get("shape", np.zeros((0, len(self.station))))
         if not self.surveys or self.frames >= 2 * self._surveyed or not self.live:
             self.ranges, self.box = self._survey()
             self.surveys, self._surveyed = self.surveys + 1, self.frames
@@ -211,10 +211,17 @@ class Run:
             return frame
 
     def series(self, name: str, first: int, last: int, most: int) -> tuple[Array, Array]:
-        """Times (beats) and values, in SI units, of at most `most` frames from `first` to `last`, evenly picked."""
+        """Times (beats) and values, in SI units, of at most `most` frames from `first` to `last`, evenly picked.
+
+        What a file does not hold, or not just now, is not a number.
+        """
         stride = max(1, -(-(last - first) // (most - 1)))
         with self._lock:
-            values = self.result.file[name][first : last + 1 : stride]
+            try:
+                values = self.result.between(name, first, last, stride)
+            except UNREADABLE:
+                count = len(range(first, last + 1, stride))
+                values = np.full((count, len(self.shape)) if name == "q" else count, np.nan)
         return (first + stride * np.arange(len(values))) / self.frames_per_beat, values
 
     def summary(self) -> Summary | None:
