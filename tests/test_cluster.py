@@ -120,13 +120,19 @@ def test_without_dask_the_extra_is_named(tmp_path):
 
 STANDING_IN = {
     "python": f'exec {sys.executable} "$@"',
-    "dask": f'exec {sys.executable} -m dask "$@"',
+    "dask": f'exec {sys.executable} -m dask "$@" --host 127.0.0.1 --dashboard-address 127.0.0.1:0',
     "taichiflap": f'exec {sys.executable} -m taichiflap "$@"',
     "srun": 'shift 3; exec "$@"',  # -n 1 --overlap
     "sbatch": 'bash "$1" & echo Submitted batch job $!',
     "scancel": 'kill "$@"',
 }
 """What the documentation's scripts call, on one machine."""
+
+NEAR = {
+    "DASK_JOBQUEUE__SLURM__SCHEDULER_OPTIONS": "{'host': '127.0.0.1', 'dashboard_address': '127.0.0.1:0'}",
+    "DASK_JOBQUEUE__SLURM__WORKER_EXTRA_ARGS": "['--host', '127.0.0.1', '--dashboard-address', '127.0.0.1:0']",
+}
+"""What keeps `dask-jobqueue` there."""
 
 
 @pytest.mark.parametrize("number", [1, 2], ids=["allocation", "jobs"])
@@ -147,12 +153,12 @@ def test_the_documented_scripts_for_slurm_run(number, tmp_path):
         (tmp_path / "bin" / name).write_text(f"#!/bin/bash\n{line}\n")
         (tmp_path / "bin" / name).chmod(0o755)
     (tmp_path / "script").write_text(script)
-    environment = {**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"}
+    environment = {**os.environ, **NEAR, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"}
     options = {"cwd": tmp_path, "env": environment, "stderr": subprocess.STDOUT, "start_new_session": True}
     with open(tmp_path / "said", "w") as said:
         study = subprocess.Popen([language, "script"], stdout=said, **options)
     try:
-        assert study.wait(200) == 0, (tmp_path / "said").read_text()
+        assert study.wait(120) == 0, (tmp_path / "said").read_text()
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(study.pid, signal.SIGKILL)  # scheduler and worker, which SLURM would end with the job
