@@ -121,6 +121,12 @@ def test_beats_and_half_strokes(run):
     assert run.frame(51).nodes[0, 0] < run.frame(49).nodes[0, 0]
 
 
+def test_the_newest_frame_of_a_beat_that_is_not_over_is_in_that_beat(run, monkeypatch):
+    for frames, told in ((401, (2, 1.0)), (331, (2, 0.65)), (201, (1, 1.0)), (1, (1, 0.0))):
+        monkeypatch.setattr(run, "frames", frames)
+        assert run.beat_of(frames - 1) == pytest.approx(told)
+
+
 def test_playback_goes_round_its_loop(run):
     playback = opening([run])
     assert (playback.frame, playback.playing) == (400, True)

@@ -38,6 +38,7 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="NO BROWSER TESTED: the
 
 NODE = "window.__viserSceneTree && window.__viserSceneTree.getState()['{}']"
 PROPS = f"({NODE}).message.props"
+CHARTS = "Object.values(window.__viserTestpoints.uplots).map(one => one.chart)"
 
 
 @pytest.fixture(scope="module")
@@ -112,6 +113,18 @@ def go_to(page, viewer, index):
     box.fill(str(index))
     box.press("Enter")
     wait_for_frame(page, viewer, index)
+
+
+def shows_all(chart):
+    """In the page: whether a chart's axes take in its whole curve, and not much more."""
+    times, x, y = f"{chart}.data[0]", f"{chart}.scales.x", f"{chart}.scales.y"
+    curve = f"Array.from({chart}.data[1]).filter(v => !isNaN(v))"
+    spread = f"Math.max(...{curve}) - Math.min(...{curve})"
+    return (
+        f"(Math.abs({x}.min - {times}[0]) < 1e-6 && Math.abs({x}.max - {times}.at(-1)) < 1e-6"
+        f" && {y}.min <= Math.min(...{curve}) && {y}.max >= Math.max(...{curve})"
+        f" && {y}.max - {y}.min < 2 * ({spread}))"
+    )
 
 
 def stop(page):
@@ -266,17 +279,19 @@ def test_charts_move_with_the_scene(serve, look):
     assert times[np.flatnonzero(~np.isnan(dot))] == pytest.approx([1.5])
     choose(page, "Show", "whole run")
     page.wait_for_function(f"() => {charts}.every(d => d[0][0] === 0)")
+    page.wait_for_function(f"() => {CHARTS}.every(c => {shows_all('c')})")
+    choose(page, "Show", "last beat")
+    page.wait_for_function(f"() => {CHARTS}.every(c => c.scales.x.min === 1 && {shows_all('c')})")
 
 
 def test_the_charts_axes_have_numbers(serve, look):
     """They are missing where the page has laid a chart out before it knew its width; a theme draws all anew."""
     viewer = serve("uvlm")
     page = look(viewer.address)
-    charts = "Object.values(window.__viserTestpoints.uplots).map(one => one.chart)"
-    numbered = f"() => {charts}.length === 4 && {charts}.every(c => c.axes.every(a => (a._values || []).length > 1))"
+    numbered = f"() => {CHARTS}.length === 4 && {CHARTS}.every(c => c.axes.every(a => (a._values || []).length > 1))"
     page.wait_for_function(numbered)
     told = "c => c.axes[0]._splits.map((x, i) => [x, Number(c.axes[0]._values[i])])"
-    for places, numbers in np.array(page.evaluate(f"() => {charts}.map({told})")).transpose(0, 2, 1):
+    for places, numbers in np.array(page.evaluate(f"() => {CHARTS}.map({told})")).transpose(0, 2, 1):
         np.testing.assert_allclose(places, numbers)
         assert (places[0], places[-1]) == (1.0, 2.0)
     page.get_by_label("Dark", exact=True).click()
@@ -368,6 +383,7 @@ def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
             os.kill(running.pid, signal.SIGCONT)
             page.wait_for_function(f"() => {PROPS.format('/time')}.text.includes('beat 4   t/T = 1.000')")
             page.wait_for_function("() => !document.querySelector('[data-time]').innerText.includes('being computed')")
+            page.wait_for_function(f"() => {CHARTS}.every(c => c.scales.x.min === 3 && {shows_all('c')})")
             with taichiflap.open_result(path) as result:
                 assert (result.status, result.frames) == ("complete", 1601)
                 wake, chord = floats(page, "/wake").reshape(-1, 3), result.case.wing.chord

@@ -65,7 +65,7 @@ class Charts:
                 self._data(quantity, playback.frame),
                 self._series(quantity, theme),
                 title=f"{quantity.title}, {quantity.unit}",
-                scales=self._scales(quantity),
+                scales={"x": {"time": False}},
                 axes=({"size": 26, "space": 40}, {"size": 46, "space": 17}),
                 legend={"show": False},
                 height=HEIGHT,
@@ -76,21 +76,18 @@ class Charts:
 
     def show(self, playback: Playback, again: bool = False) -> None:
         """Move the dots to the frame shown; `again` reads the curves anew, from a file that has grown."""
-        fresh = self._load(playback, again)
+        self._load(playback, again)
         self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
-            handle = self.handles[quantity.name]
-            wire.send(handle, data=self._data(quantity, playback.frame))
-            if fresh:
-                handle.scales = self._scales(quantity)
+            wire.send(self.handles[quantity.name], data=self._data(quantity, playback.frame))
 
     def colour(self, theme: Theme) -> None:
         """Draw in the colours of another theme."""
         for quantity in self.quantities:
             self.handles[quantity.name].series = self._series(quantity, theme)
 
-    def _load(self, playback: Playback, again: bool = False) -> bool:
-        """Read the curves if they are others than before; whether they are."""
+    def _load(self, playback: Playback, again: bool = False) -> None:
+        """Read the curves if they are others than before."""
         run = self.runs[0]
         if playback.window == ALL:
             window = 0, run.frames - 1
@@ -98,11 +95,10 @@ class Charts:
             number = run.beats if playback.window == LAST_BEAT else run.beat_of(playback.frame)[0]
             window = beat_span(run, number)
         if window == self._window and not again:
-            return False
+            return
         self._window = window
         self._times, _ = run.series("time", *window, POINTS)
         self._curves = {quantity.name: self._read(quantity) for quantity in self.quantities}
-        return True
 
     def _read(self, quantity: Quantity) -> list[Array]:
         assert self._window is not None
@@ -128,13 +124,6 @@ class Charts:
         times[-1:] += self._nudge * (times[-1:] - times[:1])
         return (times, *curves, *dots)
 
-    def _scales(self, quantity: Quantity) -> dict[str, Any]:
-        """Ranges of the axes: uPlot cannot find them itself among the NaN around the dots."""
-        values = np.concatenate([np.zeros(1), *self._curves[quantity.name]])
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        spare = 0.08 * (high - low) or 1.0
-        return {"x": {"time": False}, "y": {"range": (low - spare, high + spare)}}
-
     def _series(self, quantity: Quantity, theme: Theme) -> tuple[Any, ...]:
         colours: list[str] = []
         for number, run in enumerate(self.runs):
@@ -147,7 +136,10 @@ class Charts:
             for line in lines[len(self.runs[0].shape) :]:
                 line["dash"] = [5, 4]
         ink = css(theme.ink)
-        dots = [{"stroke": ink, "points": {"show": True, "size": 8, "fill": colour}} for colour in colours]
+        # uPlot takes the range of what begins with not-a-number for none at all.
+        dots = [
+            {"stroke": ink, "points": {"show": True, "size": 8, "fill": colour}, "auto": False} for colour in colours
+        ]
         return ({"label": "t/T"}, *lines, *dots)
 
 

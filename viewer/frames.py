@@ -161,7 +161,9 @@ class Run:
     def beat_of(self, index: int) -> tuple[int, float]:
         """Number of the beat of a frame, from 1, and t/T within it; a run's very end belongs to its last beat."""
         passed = round(index / self.frames_per_beat, 9)
-        number = min(int(passed), self.beats - 1) if index == self.frames - 1 else int(passed)
+        number = int(passed)
+        if 0 < passed == number and index == self.frames - 1:
+            number -= 1
         return number + 1, passed - number
 
     def index_at(self, beats: float) -> int:
@@ -216,13 +218,15 @@ class Run:
         What a file does not hold, or not just now, is not a number.
         """
         stride = max(1, -(-(last - first) // (most - 1)))
+        picked = np.array([*range(first, last, stride), last])
         with self._lock:
             try:
-                values = self.result.between(name, first, last, stride)
+                values = np.concatenate(
+                    (self.result.between(name, first, last - 1, stride), [self.result.frame(name, last)])
+                )
             except UNREADABLE:
-                count = len(range(first, last + 1, stride))
-                values = np.full((count, len(self.shape)) if name == "q" else count, np.nan)
-        return (first + stride * np.arange(len(values))) / self.frames_per_beat, values
+                values = np.full((len(picked), len(self.shape)) if name == "q" else len(picked), np.nan)
+        return picked / self.frames_per_beat, values
 
     def summary(self) -> Summary | None:
         """Means, peaks and phases over the settled beats; None while there is no whole beat."""
