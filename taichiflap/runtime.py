@@ -81,6 +81,9 @@ def start() -> None:
             cpu_max_num_threads=_threads,
             log_level=ti.ERROR,
         )
+    # Taichi 1.7 frees arrays of numbers, but none of vectors: a study would grow with every batch.
+    vectors = ti.lang.matrix.VectorNdarray
+    vectors.__del__ = getattr(vectors, "__del__", ti.lang._ndarray.ScalarNdarray.__del__)
 
 
 def tasks(cases: int, threads: int | None = None) -> int:

@@ -1,5 +1,6 @@
 """The coupled march: energy, stability, limits, any number of modes, the same bits in any company."""
 
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -8,9 +9,9 @@ import numpy as np
 import pytest
 from conftest import CASES, hawkmoth, march
 
-from taichiflap import motion, series
+from taichiflap import body, motion, series
 from taichiflap.body import MOMENT, RATE
-from taichiflap.runtime import available_threads
+from taichiflap.runtime import available_threads, start, view
 
 
 @pytest.mark.parametrize("solver", ["dbet", "uvlm"])
@@ -167,3 +168,18 @@ def test_a_batch_of_eight_keeps_two_threads_busy():
     script = SHARES.format(tests=str(CASES.parent / "tests"))
     ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert float(ran.stdout) >= 1.7
+
+
+def test_arrays_of_octets_are_given_back():
+    """Taichi would keep every one of them, and a study grow by megabytes."""
+
+    def taken():
+        return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+    start()
+    values = np.ones((500, 2048))  # 8 MB
+    body.octet_array(values)
+    before = taken()
+    for _ in range(20):
+        assert view(body.octet_array(values)).all()
+    assert taken() - before < 40e6
