@@ -78,22 +78,21 @@ def choose(wake: View, b, y, z):
 
 
 @ti.func
-def make_room(wake: View, b, y, z):
+def make_room(wake: View, b, y, z, absorbing: View):
     """If the ring is full, see to it that its oldest place can be had.
 
     (y, z) is a place on the wing. The velocity that is lost there, m/s, adds to what was lost before, which fades over
-    a beat as the wake moves away.
+    a beat as the wake moves away. The kernel holds the absorbing only where a case needs it.
     """
     if wake.ring[b, COUNT] == wake.ring[b, KEEP]:
-        order = -1
-        if wake.setting[b, ABSORBS] > 0.0:
-            order = choose(wake, b, y, z)
-        lost_y, lost_z = 0.0, 0.0
-        if order < 0:
-            lost_y, lost_z = loss_of_oldest(wake, b, y, z)
-        else:
-            lost_y, lost_z = loss_of_merger(wake, b, order, y, z)
-            absorb(wake, b, order)
+        lost_y, lost_z = loss_of_oldest(wake, b, y, z)
+        if ti.static(absorbing):
+            order = -1
+            if wake.setting[b, ABSORBS] > 0.0:
+                order = choose(wake, b, y, z)
+            if order >= 0:
+                lost_y, lost_z = loss_of_merger(wake, b, order, y, z)
+                absorb(wake, b, order)
         wake.tally[b, Y] = wake.setting[b, FADE] * wake.tally[b, Y] + lost_y
         wake.tally[b, Z] = wake.setting[b, FADE] * wake.tally[b, Z] + lost_z
 

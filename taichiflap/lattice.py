@@ -181,7 +181,7 @@ def guard(body: View, flow: View, wakes: View, b, n):
 
 
 @ti.func
-def shed_vortex(body: View, flow: View, wakes: View, b, n):
+def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
     """Place this step's wake vortex behind the trailing edge and note what a unit of it does to the panels.
 
     Fixed rule: a distance along the tangent there. Local rule: a share of the trailing edge's path relative to the
@@ -212,7 +212,7 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n):
     z = flow.node[b, Z, edge] + along * t_z + across * t_y
     pivot = body.motion[b, n, PLUNGE]
     middle = flow.panels[b] // 2
-    absorb.make_room(wakes, b, flow.bound[b, Y, middle], flow.bound[b, Z, middle])
+    absorb.make_room(wakes, b, flow.bound[b, Y, middle], flow.bound[b, Z, middle], absorbing)
     wake.shed(wakes, b, n, cosine * y - sine * z, pivot + sine * y + cosine * z)
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.panels[b]):

@@ -237,7 +237,7 @@ def test_wake_of_frames_runs_from_the_oldest_to_the_youngest():
 @ti.kernel
 def make_room_once(wakes: wake.Wake, y: ti.f64, z: ti.f64):
     for i in range(1):
-        absorb.make_room(wakes, 0, y, z)
+        absorb.make_room(wakes, 0, y, z, True)
 
 
 def absorbing(rng, count, *settings):

@@ -49,6 +49,7 @@ class Uses:
     suction: bool
     loads_at_vortices: bool
     single_precision: bool
+    absorbing: bool
 
 
 def uses(cases: Sequence[Case]) -> Uses:
@@ -57,6 +58,7 @@ def uses(cases: Sequence[Case]) -> Uses:
         suction=any(case.uvlm.suction for case in cases),
         loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
         single_precision=any(case.uvlm.precision == "single" for case in cases),
+        absorbing=any(case.uvlm.old_wake == "absorb" and wake.ring_size(case) <= case.steps for case in cases),
     )
 
 
@@ -215,7 +217,7 @@ def prepare(batch: View, b, n, rule, used: View):
         wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, dt, used.single_precision)
     lattice.lay_panels(batch.body, batch.flow, b, n)
     lattice.guard(batch.body, batch.flow, batch.wake, b, n)
-    lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n)
+    lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used.absorbing)
     lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
     lattice.assemble(batch.body, batch.flow, b, n)
     lattice.solve(batch.body, batch.flow, b)
