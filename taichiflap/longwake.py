@@ -18,7 +18,7 @@ from .motion import typical_speed
 from .multipole import Tree, expand, induce_by_tree, octet_at
 from .runtime import LANE, Floats2, Floats3, Ints1, View, available_threads, tasks, ti, view
 from .vortex import CORE2, TINY, Y, Z, induce
-from .wake import BEFORE, CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow, ring_size
+from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow, ring_size
 
 WIDE = 3000
 """Vortices from which the sums of one case are worth all threads: above, they cost more than two kernel launches."""
@@ -148,8 +148,6 @@ def carry_by_tree(wakes: View, tree: View, bound: View, panels, stream: View, b,
     for lane in ti.static(range(8)):
         if first + lane < count:
             place = tree.order[b, first + lane]
-            for axis in ti.static(range(2)):
-                wakes.velocity[b, BEFORE + axis, place] = wakes.velocity[b, axis, place]
             wakes.velocity[b, Y, place] = u_y[lane]
             wakes.velocity[b, Z, place] = u_z[lane]
 

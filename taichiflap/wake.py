@@ -54,7 +54,7 @@ Wake = ti.types.argpack(
     ring=Ints2,
     setting=Floats2,  # (case, 10), see the names of its columns
     vortex=Floats3,  # (case, 5, place), see taichiflap.vortex; and how far above the wing it stands, m (0: beside it)
-    velocity=Floats3,  # (case, 4, place): that of the vortices in the last step, and one step earlier
+    velocity=Floats3,  # (case, 4, place): that of the vortices now, and that with which they moved last
     single=Singles3,  # (case, 4, index): bound vortices and then the wake's, where pairs are summed in single precision
     birth=Ints2,  # step of shedding
     tally=Floats2,
@@ -130,8 +130,6 @@ def carry(wake: View, bound: View, panels, stream: View, b, first):
     core2 = octet(wake.vortex, b, CORE2, first) + TINY
     w_y, w_z = induce(y, z, core2, wake.vortex, b, 0, wake.ring[b, COUNT])
     b_y, b_z = induce(y, z, core2, bound, b, 0, panels)
-    for axis in ti.static(range(2)):
-        store_octet(wake.velocity, b, BEFORE + axis, first, octet(wake.velocity, b, axis, first))
     store_octet(wake.velocity, b, Y, first, w_y + b_y + stream[b, Y])
     store_octet(wake.velocity, b, Z, first, w_z + b_z + stream[b, Z])
 
@@ -154,8 +152,6 @@ def carry_single(wake: View, panels, stream: View, b, first):
     core2 = sixteen(wake.single, b, CORE2, panels + first) + Sixteen(TINY_SINGLE)
     u_y, u_z = induce_single(y, z, core2, wake.single, b, 0, panels + wake.ring[b, COUNT])
     for lane in ti.static(range(16)):
-        for axis in ti.static(range(2)):
-            wake.velocity[b, BEFORE + axis, first + lane] = wake.velocity[b, axis, first + lane]
         wake.velocity[b, Y, first + lane] = ti.cast(u_y[lane], ti.f64) + stream[b, Y]
         wake.velocity[b, Z, first + lane] = ti.cast(u_z[lane], ti.f64) + stream[b, Z]
 
@@ -192,6 +188,7 @@ def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: Vie
             change = 0.0
             if wake.birth[b, i] < n - 1:
                 change = wake.setting[b, BLEND] * (now - wake.velocity[b, BEFORE + axis, i])
+            wake.velocity[b, BEFORE + axis, i] = now
             step = dt * (now + change)
             moved2 += step * step
             wake.vortex[b, axis, i] = wake.vortex[b, axis, i] + step

@@ -165,7 +165,7 @@ def test_convection_matches_the_oracle(rng, core, convection, precision, digits)
     numpy_view(wakes.vortex)[0, :4, :21] = vortices
     numpy_view(wakes.ring)[0] = (21, 21, 4, 3, 0, 0)
     earlier = rng.normal(size=(2, 21))
-    numpy_view(wakes.velocity)[0, :2, :21] = earlier
+    numpy_view(wakes.velocity)[0, wake.BEFORE :, :21] = earlier
     numpy_view(wakes.birth)[0, :21] = [6, *range(-14, 6)]
     stream = [0.3, -0.2]
     convect_once(wakes, bound[None], np.array([stream]), 5, 7, 0.1, precision == "single")
