@@ -198,8 +198,9 @@ def test_help_loads_nothing_heavy():
 
 def test_help_answers_at_once():
     """A bound on processor time, which a busy machine stretches less than wall time."""
+    unmeasured = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE")}
     before = os.times()
-    run("--help")
+    run("--help", env=unmeasured)
     after = os.times()
     used = after.children_user + after.children_system - before.children_user - before.children_system
     assert used < 0.4

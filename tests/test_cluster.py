@@ -105,7 +105,9 @@ def test_workers_started_here(tmp_path):
     command = [sys.executable, "-m", "taichiflap", "sweep", str(CASES / "hawkmoth_dbet.toml"), "--set=time.periods=1"]
     command += ["--vary", "wing.youngs_modulus=1e10:2e10:8", "-o", "map.h5", "--cluster", "local:1"]
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=200)
-    assert (ran.returncode, ran.stderr) == (0, "")
+    assert ran.returncode == 0
+    # On a busy machine it tells now and then how far it is.
+    assert [line for line in ran.stderr.splitlines() if "of 8 cases" not in line] == []
     assert "8 complete, 0 failed" in ran.stdout
 
 

@@ -7,11 +7,10 @@ import re
 from pathlib import Path
 
 import pytest
-from test_reproduce import study  # noqa: F401
 
 import taichiflap
 from taichiflap._version import __version__
-from taichiflap.studies import oscillation, paper, plate, reproduce, start, structure
+from taichiflap.studies import oscillation, paper, plate, start, structure
 from taichiflap.studies.checks import accurate
 from taichiflap.studies.paper import Settings
 
@@ -47,20 +46,6 @@ def test_validation_holds_what_the_studies_measure():
             assert verdict == ("pass" if row.passed else "FAIL")
     for picture in re.findall(r"\]\(([^)]*)\)", VALIDATION):
         assert (ROOT / "docs" / picture).is_file()
-
-
-def test_reproduction_has_the_verdicts_and_tables_of_a_quick_one(study):  # noqa: F811
-    quick = (study[0] / reproduce.REPORT).read_text("utf-8")
-    for level in (r"^##? (?!Verdicts).*$", r"^!\[.*$"):
-        assert re.findall(level, REPRODUCTION, re.M) == re.findall(level, quick, re.M)
-    names = [[row[0] for row in rows(page) if row[-2] in STATES or row[-1] in HOW] for page in (REPRODUCTION, quick)]
-    assert names[0] == names[1]
-    assert len(names[0]) > 30
-    assert paper.described(Settings()) in REPRODUCTION
-
-
-STATES = {"reproduced", "NOT reproduced", "measured"}
-HOW = {"run", "post-processed", "NumPy"}
 
 
 def test_reproduction_holds_the_papers_cases_as_they_come_out_now():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from conftest import CASES
 from test_cli import run
+from test_reports import REPRODUCTION, rows
 
 import taichiflap
 from taichiflap.beats import settled_beats
@@ -204,3 +205,17 @@ def test_command_refuses_a_full_folder(tmp_path):
     assert ran.returncode == 2
     assert "holds files already" in ran.stderr
     assert len(ran.stderr.splitlines()) == 1
+
+
+def test_reproduction_has_the_verdicts_and_tables_of_a_quick_one(study):
+    quick = (study[0] / reproduce.REPORT).read_text("utf-8")
+    for level in (r"^##? (?!Verdicts).*$", r"^!\[.*$"):
+        assert re.findall(level, REPRODUCTION, re.M) == re.findall(level, quick, re.M)
+    names = [[row[0] for row in rows(text) if row[-2] in STATES or row[-1] in HOW] for text in (REPRODUCTION, quick)]
+    assert names[0] == names[1]
+    assert len(names[0]) > 30
+    assert paper.described(Settings()) in REPRODUCTION
+
+
+STATES = {"reproduced", "NOT reproduced", "measured"}
+HOW = {"run", "post-processed", "NumPy"}
