@@ -4,6 +4,7 @@ Numbers are flushed before the status that vouches for them, and both after ever
 more than the batch that was running.
 """
 
+import contextlib
 import os
 import time
 from collections.abc import Mapping, Sequence
@@ -192,11 +193,25 @@ def create(
 ) -> Map:
     """A new map with all cases to do; in memory if `path` is None. An existing file is replaced.
 
+    It gets its name when it is laid out, so that a crash leaves a map or none.
+
     Raises:
         MapError: when the file cannot be created.
     """
-    file = _create(path)
-    map_layout.lay_out(file, case, design, metrics, series, title or case.title)
+    if path is None:
+        file = h5py.File(f"map in memory {time.monotonic_ns()}", "w", driver="core", backing_store=False)
+        map_layout.lay_out(file, case, design, metrics, series, title or case.title)
+        return Map(file, path)
+    _check_place(path)
+    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        file = h5py.File(draft, "w")
+        map_layout.lay_out(file, case, design, metrics, series, title or case.title)
+        os.replace(draft, path)
+    except OSError as error:
+        raise MapError(f"{path}: cannot be created: {_first_line(error)}") from None
+    finally:
+        draft.unlink(missing_ok=True)
     return Map(file, path)
 
 
@@ -245,17 +260,19 @@ def is_map(path: Path) -> bool:
         return False
 
 
-def _create(path: Path | None) -> Any:
-    if path is None:
-        return h5py.File(f"map in memory {time.monotonic_ns()}", "w", driver="core", backing_store=False)
+def _check_place(path: Path) -> None:
+    """Refuse a folder, and a map that another study is writing: what is to be replaced need not be a map."""
     if path.is_dir():
         raise MapError(f"{path}: is a directory; name a file, for example {path / 'map.h5'}")
+    if not path.parent.is_dir():
+        raise MapError(f"{path}: cannot be created: {path.parent} is not a folder")
     try:
-        return h5py.File(path, "w")
+        with contextlib.suppress(FileNotFoundError), h5py.File(path, "r+"):
+            pass
     except BlockingIOError:
         raise MapError(f"{path}: another study is writing it") from None
-    except OSError as error:
-        raise MapError(f"{path}: cannot be created: {_first_line(error)}") from None
+    except OSError:
+        return
 
 
 def _first_line(error: OSError) -> str:

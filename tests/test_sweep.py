@@ -344,5 +344,26 @@ def test_two_studies_do_not_write_one_map(case, tmp_path):
         script = f"import taichiflap; taichiflap.open_map({str(tmp_path / 'map.h5')!r}, write=True)"
         ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
         assert "another study is writing it" in ran.stderr
+        command = ["sweep", str(CASES / "hawkmoth_dbet.toml"), "--vary=wing.modes=0,1", "-o", "map.h5", "--overwrite"]
+        ran = subprocess.run(
+            [sys.executable, "-m", "taichiflap", *command], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert (ran.returncode, ran.stderr) == (2, "error: map.h5: another study is writing it\n")
         fill(sheet)
         assert not len(sheet.pending)
+
+
+def test_a_map_has_its_name_when_it_is_laid_out_and_not_before(case, tmp_path, monkeypatch):
+    """A crash in between would leave what no command can read."""
+    planned = design(case, {"wing.modes": "0,1"})
+
+    def crash(file, *_):
+        assert not (tmp_path / "map.h5").exists()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("taichiflap.map_layout.lay_out", crash)
+    with pytest.raises(KeyboardInterrupt):
+        prepare(case, planned, tmp_path / "map.h5")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(maps.MapError, match=r"cannot be created: .*nowhere is not a folder"):
+        prepare(case, planned, tmp_path / "nowhere" / "map.h5")
