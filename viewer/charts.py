@@ -69,7 +69,7 @@ class Charts:
                 axes=({"size": 26, "space": 40}, {"size": 46, "space": 17}),
                 legend={"show": False},
                 height=HEIGHT,
-                padding=(4, 14, 0, 0),
+                padding=(8, 14, 0, 0),
             )
             for quantity in self.quantities
         }
@@ -89,8 +89,11 @@ class Charts:
     def _load(self, playback: Playback, again: bool = False) -> None:
         """Read the curves if they are others than before."""
         run = self.runs[0]
+        newest = run.frames - 1
         if playback.window == ALL:
-            window = 0, run.frames - 1
+            window = 0, newest
+        elif playback.window == LAST_BEAT and run.live:
+            window = max(0, newest - round(run.frames_per_beat)), newest
         else:
             number = run.beats if playback.window == LAST_BEAT else run.beat_of(playback.frame)[0]
             window = beat_span(run, number)

@@ -15,11 +15,12 @@ from taichiflap.map_names import named
 from taichiflap.maps import Map, open_map
 from taichiflap.outcome import COMPLETE, FAILED
 
-from . import camera, labels, map_picture, map_scene
+from . import camera, map_picture, map_scene
 from .colours import METRIC, theme
 from .field import Fields
 from .frames import Run
 from .legend import Bar, bar_html
+from .paint import paint
 from .panel import WIDTH as PANEL_WIDTH
 from .session import Session
 from .session import opening as opening_of_a_run
@@ -128,7 +129,7 @@ class MapSession:
             dark_mode=self._dark, show_logo=False, show_share_button=False, control_width="medium"
         )
         self._theme = theme(self._dark)
-        labels.paint(client, self._theme)
+        paint(client, self._theme)
         held = {axis.key for axis in map_picture.held(sheet, self.choice)}
         for key, handle in self._fixed:
             handle.visible = key in held

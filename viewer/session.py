@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from . import camera, compare, field, labels, timeline
+from . import camera, compare, field, timeline
 from .charts import Charts, caption
 from .colours import theme
 from .field import NONE, Fields, Flow
 from .frames import Run
 from .legend import legend
+from .paint import paint
 from .panel import BACK, ON, REVERSAL_BACK, REVERSAL_ON, Panel
 from .scene import FIELD, default_layers, place, set_up
 from .timeline import Playback
@@ -186,7 +187,7 @@ class Session:
         self.client.gui.configure_theme(
             dark_mode=self.playback.dark, show_logo=False, show_share_button=False, control_width="medium"
         )
-        labels.paint(self.client, self.theme)
+        paint(self.client, self.theme)
 
     def _build(self) -> None:
         """Build the scene anew: for another theme, or for ranges that a growing run has changed."""
@@ -215,7 +216,7 @@ class Session:
         title = " against ".join(escape(run.label if several else run.title) for run in self.runs)
         model = " against ".join(run.case.model for run in self.runs)
         return (
-            f'<div data-time style="padding:2px 4px 6px;line-height:1.45"><b>{title}</b><br>'
+            f'<div data-time style="padding:2px 12px 6px 4px;line-height:1.45"><b>{title}</b><br>'
             f"{model}{', ' + state if state else ''}<br>{text.replace('   ', ', ')}, {milliseconds:.2f} ms</div>"
         )
 

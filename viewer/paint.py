@@ -1,4 +1,4 @@
-"""The colours of the labels in the scene, which viser draws in black on white whatever the theme."""
+"""Colours of a page's scene as the theme has them: viser draws labels in black on white, and shifts those of lines."""
 
 from string import Template
 from typing import Any
@@ -6,14 +6,20 @@ from typing import Any
 from . import wire
 from .colours import Rgb, Theme
 
-# The two shaders of viser's labels hold their colours as numbers. Labels come and go: look again now and then.
+# The two shaders of viser's labels hold their colours as numbers; lines go through a film's response to light. Both
+# come and go: look again now and then.
 PAINT = Template(r"""
 const paint = () => {
   const scene = window.__viserMutable && window.__viserMutable.scene;
   if (!scene) return;
   scene.traverse((node) => {
     const material = node.material;
-    if (!material || !material.fragmentShader) return;
+    if (!material) return;
+    if (material.toneMapped && node.geometry.isLineSegmentsGeometry) {
+      material.toneMapped = false;
+      material.needsUpdate = true;
+    }
+    if (!material.fragmentShader) return;
     const own = material.userData.own || material.fragmentShader;
     const mine = own
       .replace(/vec4\(\s*0\.0,\s*0\.0,\s*0\.0,\s*a\s*\)/, "vec4($ink, a)")
@@ -24,14 +30,14 @@ const paint = () => {
     material.needsUpdate = true;
   });
 };
-clearInterval(window.__taichiflapLabels);
-window.__taichiflapLabels = setInterval(paint, 250);
+clearInterval(window.__taichiflapPaint);
+window.__taichiflapPaint = setInterval(paint, 250);
 paint();
 """)
 
 
 def paint(client: Any, theme: Theme) -> None:
-    """Give a page's labels the colours of a theme; a viser that has changed keeps its own, which can be read too."""
+    """Give a page's labels and lines the colours of a theme; a viser that has changed shows colours near them."""
     wire.run(client, PAINT.substitute(ink=_glsl(theme.ink), ground=_glsl(theme.background)))
 
 
