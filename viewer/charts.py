@@ -1,6 +1,7 @@
 """Curves over time beside the scene, each with its unit and a dot at the frame that the scene shows."""
 
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -151,7 +152,7 @@ def caption(runs: list[Run], theme: Theme) -> str:
     text = "Across: time in beats. The dot is the frame shown."
     if len(runs) > 1:
         names = " ".join(
-            f'<b style="color:{colour}">{run.label}</b>' for run, colour in zip(runs, theme.runs, strict=True)
+            f'<b style="color:{colour}">{escape(run.label)}</b>' for run, colour in zip(runs, theme.runs, strict=True)
         )
         text = f"{names}. {text}"
     modes = max(len(run.shape) for run in runs)

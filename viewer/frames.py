@@ -17,6 +17,8 @@ from taichiflap.metrics import Summary, reversals, summarise
 from taichiflap.results import ResultError
 from taichiflap.scene import when
 
+from .survey import Ranges, survey
+
 Array = NDArray[np.floating]
 
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
@@ -24,14 +26,8 @@ UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
 
 CACHE_BYTES = 2**25
 PATH_SAMPLES = 401
-SAMPLES = 12
+SURVEYED = 12
 """Frames looked at to choose the ranges of colours and the first view."""
-ARROW_ROOM = 0.9
-"""Free beside and below a wing without a wake, chords: its arrows are what there is to see."""
-HEADROOM = 0.55
-"""Free above the wing in the first view, chords."""
-VIEW_CHORDS = 4.0
-"""The first view reaches at most so far from where the wing flies."""
 
 
 @dataclass(frozen=True)
@@ -71,16 +67,6 @@ class Frame:
     def size(self) -> int:
         """Bytes held, about: what will be drawn of the frame takes as much again."""
         return 2 * sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
-
-
-@dataclass(frozen=True)
-class Ranges:
-    """What colours and arrows are scaled by: a circulation (m2/s), a pressure (Pa), a force (N), a speed (m/s)."""
-
-    circulation: float
-    pressure: float
-    force: float
-    speed: float
 
 
 class Run:
@@ -271,41 +257,11 @@ class Run:
         return self.result.frame(name, index) if name in self.variables else np.zeros(0, dtype=np.float32)
 
     def _survey(self) -> tuple[Ranges, Array]:
-        """Ranges, and the box (left, bottom, right, top; chords) of the first view, from samples of the last beat."""
+        """Ranges and first view, from frames of the last beat."""
         first = max(0, round(self.frames - 1 - self.frames_per_beat))
-        picked = np.unique(np.linspace(first, self.frames - 1, SAMPLES).astype(int))
-        frames = [self._read(int(index)) for index in picked]
-        ranges = Ranges(
-            circulation=_nice(_percentile([frame.circulation for frame in frames], 97)),
-            pressure=_nice(_percentile([frame.pressure for frame in frames], 95)),
-            force=_nice(max(float(np.linalg.norm(frame.force)) for frame in frames)),
-            speed=_nice(max(float(np.linalg.norm(frame.velocity, axis=1).max()) for frame in frames)),
-        )
-        wing = np.concatenate([frame.nodes for frame in frames])
-        low, high = wing.min(axis=0), wing.max(axis=0)
-        wake = np.concatenate([frame.wake for frame in frames])
-        if len(wake):
-            low = np.minimum(low, np.maximum(np.percentile(wake, 2, axis=0), low - VIEW_CHORDS))
-            high = np.maximum(high, np.minimum(np.percentile(wake, 98, axis=0), high + VIEW_CHORDS))
-        else:
-            low, high = low - ARROW_ROOM, high + ARROW_ROOM * np.array([1.0, 0.0])
-        # Above: room for the line that tells the time.
-        return ranges, np.concatenate((low, high + np.array([0.0, HEADROOM])))
+        picked = np.unique(np.linspace(first, self.frames - 1, SURVEYED).astype(int))
+        return survey([self._read(int(index)) for index in picked])
 
 
 def _on_screen(y: Array, z: Array, scale: float) -> Array:
     return np.stack((z * scale, -y * scale), axis=1)
-
-
-def _percentile(arrays: list[Array], share: float) -> float:
-    values = np.abs(np.concatenate(arrays))
-    return float(np.percentile(values, share)) if len(values) else 0.0
-
-
-def _nice(value: float) -> float:
-    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten; 1 for nothing at all."""
-    if not value > 0.0:
-        return 1.0
-    power = 10.0 ** np.floor(np.log10(value))
-    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-    return float(power * next(step for step in steps if step >= value / power - 1e-9))

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from . import wire
 from .colours import Rgb, Theme, linear, rgb
-from .frames import Array, Frame, Ranges, Run
+from .frames import Array, Frame, Run
+from .survey import Ranges
 
 FIELD, ARROWS, PLANE, WAKE, GHOST, LOAD, WING, FORCE = 0.05, 0.045, 0.04, 0.03, -0.01, -0.02, -0.03, -0.04
 """Depth of each layer, chords away from the viewer."""

@@ -17,7 +17,7 @@ from .field import NONE, Fields, Flow
 from .frames import Run
 from .legend import legend
 from .paint import paint
-from .panel import BACK, ON, REVERSAL_BACK, REVERSAL_ON, Panel
+from .panel import BACK, ON, REVERSAL_ON, Panel
 from .scene import FIELD, default_layers, place, set_up
 from .timeline import Playback
 
@@ -142,7 +142,6 @@ class Session:
             timeline.step(self.run, self.playback, 1 if which == ON else -1)
         else:
             frame = timeline.next_reversal(self.run, self.playback, which == REVERSAL_ON)
-            assert which in (REVERSAL_BACK, REVERSAL_ON)
             if frame is not None:
                 timeline.seek(self.run, self.playback, frame)
 

@@ -1,0 +1,60 @@
+"""What a few frames tell about all: the ranges of colours and arrows, and the first view."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .frames import Array, Frame
+
+ARROW_ROOM = 0.9
+"""Free beside and below a wing without a wake, chords: its arrows are what there is to see."""
+HEADROOM = 0.55
+"""Free above the wing in the first view, chords: room for the line that tells the time."""
+VIEW_CHORDS = 4.0
+"""The first view reaches at most so far from where the wing flies."""
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """What colours and arrows are scaled by: a circulation (m2/s), a pressure (Pa), a force (N), a speed (m/s)."""
+
+    circulation: float
+    pressure: float
+    force: float
+    speed: float
+
+
+def survey(frames: Sequence["Frame"]) -> tuple[Ranges, "Array"]:
+    """Ranges, and the box (left, bottom, right, top; chords) of the first view."""
+    ranges = Ranges(
+        circulation=_nice(_percentile([frame.circulation for frame in frames], 97)),
+        pressure=_nice(_percentile([frame.pressure for frame in frames], 95)),
+        force=_nice(max(float(np.linalg.norm(frame.force)) for frame in frames)),
+        speed=_nice(max(float(np.linalg.norm(frame.velocity, axis=1).max()) for frame in frames)),
+    )
+    wing = np.concatenate([frame.nodes for frame in frames])
+    low, high = wing.min(axis=0), wing.max(axis=0)
+    wake = np.concatenate([frame.wake for frame in frames])
+    if len(wake):
+        low = np.minimum(low, np.maximum(np.percentile(wake, 2, axis=0), low - VIEW_CHORDS))
+        high = np.maximum(high, np.minimum(np.percentile(wake, 98, axis=0), high + VIEW_CHORDS))
+    else:
+        low, high = low - ARROW_ROOM, high + ARROW_ROOM * np.array([1.0, 0.0])
+    return ranges, np.concatenate((low, high + np.array([0.0, HEADROOM])))
+
+
+def _percentile(arrays: "list[Array]", share: float) -> float:
+    values = np.abs(np.concatenate(arrays))
+    return float(np.percentile(values, share)) if len(values) else 0.0
+
+
+def _nice(value: float) -> float:
+    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten; 1 for nothing at all."""
+    if not value > 0.0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+    return float(power * next(step for step in steps if step >= value / power - 1e-9))
