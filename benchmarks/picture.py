@@ -1,6 +1,7 @@
 """How long a page takes to its first picture of wing and wake, in a browser that has never been there."""
 
 import contextlib
+import io
 import shutil
 import statistics
 from collections.abc import Iterator
@@ -53,7 +54,8 @@ def rows(path: Path) -> Iterator[Row]:
     with contextlib.ExitStack() as stack:
         viewer = Viewer([path])
         stack.callback(viewer.stop)
-        bare = viser.ViserServer(host="127.0.0.1", port=viewer.port + 1, verbose=False)
+        with contextlib.redirect_stdout(io.StringIO()):
+            bare = viser.ViserServer(host="127.0.0.1", port=viewer.port + 1, verbose=False)
         stack.callback(bare.stop)
         line, colour = np.array([[[0, 0, 0], [1, 0, 0]]], dtype=np.float32), (0, 0, 0)
         bare.scene.add_line_segments("/line", line, colour)
