@@ -53,6 +53,7 @@ def draw(chart: xarray.Dataset) -> Figure:
             x, y = chart[PITCH], chart[MODULUS] / 1e9
             mesh = ax.pcolormesh(x, y, values, cmap="RdBu_r", vmin=-2, vmax=2, shading="nearest", rasterized=True)
             lines = ax.contour(x, y, values, np.log2(LEVELS), colors="black", linewidths=0.5)
+            ax.set_facecolor("0.6")  # cases that failed
             ax.clabel(lines, fmt=lambda level: f"{2**level:.3g}", fontsize=6)
             ax.set(title=label, xlabel="Pitch amplitude (deg)", yscale="log")
             ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
