@@ -4,21 +4,19 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future
 from html import escape
 from typing import Any
 
-import numpy as np
-
-from . import camera, compare, field, timeline
+from . import camera, compare, timeline
+from .background import Background
 from .charts import Charts, caption
 from .colours import theme
-from .field import NONE, Fields, Flow
+from .field import NONE, Fields
 from .frames import Run
 from .legend import legend
 from .paint import paint
 from .panel import BACK, ON, REVERSAL_ON, Panel
-from .scene import FIELD, default_layers, place, set_up
+from .scene import default_layers, set_up
 from .timeline import Playback
 
 BESIDE_SECONDS = 0.12
@@ -52,9 +50,7 @@ class Session:
         self.client, self.runs, self.playback, self.fields = client, list(runs), playback, fields
         self.run = runs[0]
         self._lock = threading.RLock()
-        self._flow: Flow | None = None
-        self._field_shown = -1
-        self._asked = False
+        self.background = Background(client, fields, self._lock, self._tell_legend)
         self._beside = 0.0
         self._started = False
         with client.atomic():
@@ -114,7 +110,8 @@ class Session:
                 self._beside = now
                 self.charts.show(self.playback)
                 self.panel.show(self.playback, self._headline(text))
-            self._show_field()
+            kind = self.playback.background if self.run.has_wake else NONE
+            self.background.show(kind, index, self.theme)
 
     def act(self, name: str, value: Any) -> None:
         """Do what a control asks for."""
@@ -129,7 +126,6 @@ class Session:
             else:
                 self._deeds[name](self, value)
             if name == "background":
-                self._field_shown = -1
                 self._tell_legend()
             self.show()
 
@@ -193,8 +189,7 @@ class Session:
         scene = self.client.scene
         scene.reset()
         self._surveys = [run.surveys for run in self.runs]
-        self._picture: Any = None
-        self._field_shown = -1
+        self.background.forget()
         self.stage, self.actors = set_up(scene, self.runs, self.theme)
         self.panel.caption.content = caption(self.runs, self.theme)
         if len(self.runs) > 1:
@@ -204,8 +199,7 @@ class Session:
         self.show()
 
     def _tell_legend(self) -> None:
-        flow = self._flow
-        shown = field.bar(self.playback.background, self.theme, self.fields.limits(flow)) if flow else None
+        shown = self.background.bar(self.playback.background, self.theme)
         self.panel.legend.content = legend(self.runs, self.theme, shown)
 
     def _headline(self, text: str) -> str:
@@ -218,56 +212,3 @@ class Session:
             f'<div data-time style="padding:2px 12px 6px 4px;line-height:1.45"><b>{title}</b><br>'
             f"{model}{', ' + state if state else ''}<br>{text.replace('   ', ', ')}, {milliseconds:.2f} ms</div>"
         )
-
-    def _show_field(self) -> None:
-        kind = self.playback.background
-        if kind == NONE or not self.run.has_wake:
-            if self._picture is not None:
-                for handle in self._picture:
-                    handle.remove()
-                self._picture = None
-            return
-        index = self.playback.frame
-        if index == self._field_shown or self._asked:
-            return
-        found = self.fields.ask(index)
-        if found.done():
-            self._paint(index, found)
-        else:
-            self._asked = True
-            found.add_done_callback(lambda done: self._arrive(index, done))
-
-    def _arrive(self, index: int, found: "Future[Flow]") -> None:
-        """Paint what was asked for; while playing on a slow machine, that is a moment late."""
-        with self._lock:
-            self._asked = False
-            if found.cancelled() or self.playback.background == NONE:
-                return
-            with contextlib.suppress(RuntimeError), self.client.atomic():
-                self._paint(index, found)
-                self._show_field()
-
-    def _paint(self, index: int, found: "Future[Flow]") -> None:
-        flow, first = found.result(), self._flow is None
-        self._flow, self._field_shown = flow, index
-        limits = self.fields.limits(flow)
-        picture = flow.picture(self.playback.background, self.theme, limits)
-        lines = flow.arrows(limits[1])
-        if self._picture is None:
-            left, bottom, right, top = (float(edge) for edge in flow.box)
-            centre = place(np.array([0.5 * (left + right), 0.5 * (bottom + top)]), FIELD)
-            # An image lies in its own x and y, rows along y: a quarter turn about x stands it up.
-            self._picture = (
-                self.client.scene.add_image(
-                    "/field/picture", picture, right - left, top - bottom, format="jpeg", jpeg_quality=92,
-                    wxyz=(np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0), position=centre,
-                    cast_shadow=False, receive_shadow=False,
-                ),
-                self.client.scene.add_line_segments(
-                    "/field/arrows", lines, self.theme.velocity, thickness=1.2, thickness_units="screen"
-                ),
-            )  # fmt: skip
-        else:
-            self._picture[0].image, self._picture[1].points = picture, lines
-        if first:
-            self._tell_legend()
