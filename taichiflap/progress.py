@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.table import Column
 from rich.text import Text
 
 from .case import Case
@@ -22,17 +23,18 @@ class _Rate(ProgressColumn):
         return Text(f"{task.speed:,.0f} steps/s" if task.speed else "")
 
 
+def _shown(*middle: ProgressColumn) -> Progress:
+    """A bar on stderr with its title, what `middle` tells, and the time left; if narrow, the title gives way."""
+    title = TextColumn("{task.description}", table_column=Column(ratio=2, no_wrap=True, overflow="ellipsis"))
+    bar = BarColumn(bar_width=None, table_column=Column(ratio=1))
+    left = TimeRemainingColumn(compact=True)
+    return Progress(title, bar, *middle, left, console=Console(stderr=True), transient=True, expand=True)
+
+
 @contextlib.contextmanager
 def bar(case: Case) -> Iterator[Callback]:
     """A bar on stderr that vanishes when the run is done; yields what `simulate` calls."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.fields[place]}"),
-        _Rate(),
-        TimeRemainingColumn(compact=True),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
+    with _shown(TextColumn("{task.fields[place]}"), _Rate()) as shown:
         task = shown.add_task(case.title or "simulating", total=case.steps, place=_place(case, 0))
 
         def update(done: int, total: int) -> None:
@@ -51,8 +53,7 @@ def _place(case: Case, done: int) -> str:
 @contextlib.contextmanager
 def share(title: str) -> Iterator[Callable[[float], None]]:
     """A bar on stderr for work of many kinds; yields what is called with the share done, 0 to 1."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
-    with Progress(*columns, TimeRemainingColumn(compact=True), console=Console(stderr=True), transient=True) as shown:
+    with _shown(TextColumn("{task.percentage:.0f} %")) as shown:
         task = shown.add_task(title, total=1.0)
         yield lambda done: shown.update(task, completed=done)
 
@@ -60,8 +61,7 @@ def share(title: str) -> Iterator[Callable[[float], None]]:
 @contextlib.contextmanager
 def cases(title: str) -> Iterator[Callable[[float, int, float], None]]:
     """A bar on stderr for a study of many cases: rate, and time left by work; yields what the study calls."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[count]}"))
-    with Progress(*columns, TimeRemainingColumn(compact=True), console=Console(stderr=True), transient=True) as shown:
+    with _shown(TextColumn("{task.fields[count]}")) as shown:
         task = shown.add_task(title, total=1.0, count="")
         pace = _Pace()
 

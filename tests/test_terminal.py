@@ -66,6 +66,18 @@ def test_a_run_that_does_not_repeat_counts_its_seconds(terminal):
     assert f"{case.steps // 2 * case.step:.4g} of {case.duration:.4g} s" in terminal()
 
 
+def test_a_long_title_leaves_room_for_the_count_and_the_time_left(terminal, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    with progress.cases(
+        "The wing of a moth, of every stiffness and at every pitch amplitude that a moth may have"
+    ) as tell:
+        tell(0, 10_000, 0.0)
+        tell(4_632, 10_000, 0.46)
+    last = [line for line in terminal().replace("\r", "\n").splitlines() if "4,632" in line][-1]
+    assert re.search(r"The wing of a.*… .* 4,632 of 10,000 cases, \S+ a second (\d\d:\d\d|--:--)\s*$", last), last
+    assert len(last.rstrip()) <= 80
+
+
 def test_a_share_is_shown_in_percent(terminal):
     with progress.share("much") as done:
         done(0.25)
