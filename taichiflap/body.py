@@ -57,13 +57,17 @@ def sample_motions(cases: Sequence[Case]) -> np.ndarray:
     sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, 8))
     known: dict[Any, np.ndarray] = {}
     for row, case in zip(sampled, cases, strict=True):
-        moving, moment = row[: case.steps + 1], (case.motion, case.steps, case.step)
-        if moment in known:  # in a study often only the wing varies
-            moving[:] = known[moment]
-            continue
-        moving[:, :COSINE] = motion.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
-        moving[:, COSINE], moving[:, SINE] = np.cos(moving[:, PITCH]), np.sin(moving[:, PITCH])
-        known[moment] = moving
+        moving, moves = row[: case.steps + 1], case.motion
+        for axis, columns in ((moves.plunge, moving[:, :PITCH]), (moves.pitch, moving[:, PITCH:])):
+            how = axis, moves.frequency, moves.growth, case.steps, case.step
+            if how in known:  # the cases of a study often have one of them in common
+                columns[:] = known[how]
+                continue
+            times = case.step * np.arange(case.steps + 1, dtype=np.float64)
+            columns[:, :3] = motion.sample_axis(axis, moves.frequency, moves.growth, times)
+            known[how] = columns
+            if axis is moves.pitch:
+                moving[:, COSINE], moving[:, SINE] = np.cos(moving[:, PITCH]), np.sin(moving[:, PITCH])
     return sampled
 
 

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from . import motion
 from .beats import Beats, settled_beats
 from .case import Case
-from .motion import PITCH, PLUNGE
 from .results import Result
-from .sections.motion import Motion
+from .sections.motion import Travel
 
 REPEATS_WITHIN = 0.01
 """A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
@@ -215,12 +214,9 @@ def after_reversal(case: Case, beats: float) -> float | None:
     # Of whole beats: the cases of a study have them in common.
     whole = math.floor(beats) if case.periodic else 0
     step = case.beat / MOMENTS if case.periodic else case.step
-    found = _reversals(case.motion, max(whole - 1, 0) * case.beat, (whole + 1) * case.beat, step) / case.beat
+    found = motion.reversals(case.motion, max(whole - 1, 0) * case.beat, (whole + 1) * case.beat, step) / case.beat
     before = found[(found > beats - 1.0 - RESOLVED) & (found < beats + RESOLVED)]
     return max(0.0, beats - float(before[-1])) if len(before) else None
-
-
-_reversals = functools.lru_cache(maxsize=64)(motion.reversals)
 
 
 def _waves(case: Case, time: Array, series: dict[str, Array], frames: slice) -> dict[str, list[complex]]:
@@ -230,21 +226,24 @@ def _waves(case: Case, time: Array, series: dict[str, Array], frames: slice) -> 
 
 def _phase(case: Case, last: float, force: complex) -> float | None:
     """Degrees by which a first harmonic, up to the time `last` (s), leads that of what drives the wing."""
-    driver = _driver(case.motion, case.beat, round(last / case.beat))
+    driver = _driver(case, round(last / case.beat))
     return None if driver is None else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
 
 
-@functools.lru_cache(maxsize=64)
-def _driver(moves: Motion, beat: float, count: int) -> complex | None:
-    """First harmonic of the plunge (of the pitch, if there is none) in the last of `count` beats, s each."""
+def _driver(case: Case, count: int) -> complex | None:
+    """First harmonic of the plunge (of the pitch, if there is none) in the last of `count` beats."""
+    moves = case.motion
+    firsts = (_swing(axis, moves.frequency, moves.growth, case.beat, count) for axis in (moves.plunge, moves.pitch))
+    return next((first for first in firsts if first), None)
+
+
+@functools.lru_cache(maxsize=256)
+def _swing(axis: Travel, frequency: float | None, growth: float, beat: float, count: int) -> complex:
+    """First harmonic of plunge or pitch in the last of `count` beats; zero if it is none but for round-off."""
     turns = count - np.arange(MOMENTS) / MOMENTS
-    moved = motion.sample(moves, beat * turns)
-    turn = np.exp(-2j * math.pi * turns)
-    for axis in (PLUNGE, PITCH):
-        first = complex(2.0 * np.mean(moved[:, axis] * turn))
-        if abs(first) > motion.NOISE * np.abs(moved[:, axis]).max():
-            return first
-    return None
+    moved = motion.sample_axis(axis, frequency, growth, beat * turns)[:, 0]
+    first = complex(2.0 * np.mean(moved * np.exp(-2j * math.pi * turns)))
+    return first if abs(first) > motion.NOISE * np.abs(moved).max() else 0j
 
 
 def _fraction(value: float, period: float) -> float:

@@ -3,7 +3,9 @@
 Table 2 of Reade & Jankauski (2020) and other kinds. A motion is sampled once, at all steps of a case, before the march.
 """
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
@@ -30,7 +32,9 @@ def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
     Returns:
         Shape (times, 6): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2.
     """
-    return np.hstack([_sample_axis(motion, axis, times) for axis in (motion.plunge, motion.pitch)])
+    return np.hstack(
+        [sample_axis(axis, motion.frequency, motion.growth, times) for axis in (motion.plunge, motion.pitch)]
+    )
 
 
 def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
@@ -39,18 +43,28 @@ def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
     Args:
         step: s; two reversals within a step may be missed.
     """
+    return _reversals(motion.plunge, motion.frequency, motion.growth, first, last, step)
+
+
+@functools.lru_cache(maxsize=256)
+def _reversals(plunge: Travel, frequency: float | None, growth: float, first: float, last: float, step: float) -> Array:
+    """See `reversals`; the cases of a study mostly plunge alike."""
     # Half a step off, so that a reversal at a time of the grid lies between two of them.
     count = math.ceil((last - first) / step) + 2
     times = first + step * (np.arange(count) - 0.5)
-    rate = _sample_axis(motion, motion.plunge, times)[:, PLUNGE_RATE]
+    rate = sample_axis(plunge, frequency, growth, times)[:, PLUNGE_RATE]
     moving = np.flatnonzero(np.abs(rate) > NOISE * np.abs(rate).max())
     times, forth = times[moving], rate[moving] > 0.0
     turns = np.flatnonzero(forth[1:] != forth[:-1])
-    found = _turns(motion, times[turns], times[turns + 1], forth[turns])
-    return found[(found > first - NOISE * step) & (found < last + NOISE * step)]
+    found = _turns(
+        functools.partial(sample_axis, plunge, frequency, growth), times[turns], times[turns + 1], forth[turns]
+    )
+    found = found[(found > first - NOISE * step) & (found < last + NOISE * step)]
+    found.setflags(write=False)
+    return found
 
 
-def _turns(motion: Motion, early: Any, late: Any, forth: NDArray[np.bool_]) -> Any:
+def _turns(plunge: Callable[[Array], Array], early: Any, late: Any, forth: NDArray[np.bool_]) -> Any:
     """The zero of the plunge velocity between each `early` and `late`; `forth`: it is positive before.
 
     Newton's steps on the exact acceleration, with a halving wherever one leaves the bracket or is not half the last.
@@ -58,7 +72,7 @@ def _turns(motion: Motion, early: Any, late: Any, forth: NDArray[np.bool_]) -> A
     times, moved = 0.5 * (early + late), late - early
     resolved = ROUND_OFF * np.maximum(np.abs(late), moved)
     for _ in range(ROUNDS):
-        _, rate, accel = _sample_axis(motion, motion.plunge, times).T
+        _, rate, accel = plunge(times).T
         before = (rate > 0.0) == forth
         early, late = np.where(before, times, early), np.where(before, late, times)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -84,10 +98,15 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
     return math.sqrt(np.mean(along_y**2 + along_z**2))
 
 
-def _sample_axis(motion: Motion, axis: Travel, times: NDArray[np.floating]) -> Array:
-    """Plunge or pitch with its derivatives, shape (times, 3), the start-up of the motion included."""
-    followed = _follow(axis, motion.frequency, times)
-    return profiles.product(profiles.start_up(times, motion.growth), followed) if motion.growth else followed
+def sample_axis(axis: Travel, frequency: float | None, growth: float, times: NDArray[np.floating]) -> Array:
+    """Plunge or pitch at `times` (s) with its derivatives, shape (times, 3).
+
+    Args:
+        frequency: of what repeats, Hz.
+        growth: duration of the start-up, s.
+    """
+    followed = _follow(axis, frequency, times)
+    return profiles.product(profiles.start_up(times, growth), followed) if growth else followed
 
 
 def _follow(axis: Travel, frequency: float | None, times: NDArray[np.floating]) -> Array:
