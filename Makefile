@@ -6,7 +6,7 @@ PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test fuzz docs reports package clean
+.PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test fuzz endurance mutants docs reports package clean
 
 hawkmoth: .venv/.run  ## set up and run the main job
 	$(BIN)/taichiflap simulate cases/hawkmoth.toml --overwrite
@@ -22,11 +22,11 @@ view: hawkmoth.h5  ## the result in the browser
 hawkmoth.h5:
 	@$(MAKE) hawkmoth
 
-test: .venv/.dev browser  ## all tests
-	$(BIN)/python -m pytest
+test: .venv/.dev browser  ## all tests, two files at a time, and what lines and branches they cover
+	$(BIN)/python -m pytest -n 2 --dist loadfile --cov
 
-test-fast: .venv/.dev  ## all but the whole runs of the shipped cases
-	$(BIN)/python -m pytest -m "not slow"
+test-fast: .venv/.dev  ## the tests of a second or two each
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 browser:  ## Debian's chromium, for the tests that drive a browser
 	@command -v chromium > /dev/null \
@@ -51,6 +51,13 @@ crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, and look
 fuzz: .venv/.dev  ## 20,000 wrong inputs and 2,000 damaged files: what becomes of them
 	$(BIN)/python tests/fuzz.py 20000
 
+endurance: .venv/.dev  ## a thousand beats, ten thousand cases, ten browsers for half an hour: an hour
+	$(BIN)/python tests/endurance.py
+
+mutants: .venv/.mutants  ## change the physics in pure Python in two thousand ways, and count what the tests notice
+	$(BIN)/python -m mutmut run --max-children 2
+	$(BIN)/python tests/mutants.py
+
 docs: .venv/.docs  ## the documentation, warnings as errors
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	@echo "The documentation is docs/_build/html/index.html."
@@ -66,7 +73,7 @@ reports: .venv/.run  ## write the reports among the documentation again, from th
 	cp build/reproduction/report.md build/reproduction/*.png docs/reproduction
 
 clean:  ## remove the environment and what runs left here
-	rm -rf .venv *.egg-info build dist docs/_build docs/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	rm -rf .venv *.egg-info build dist mutants docs/_build docs/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	rm -f *.h5 *.h5.part *.h5.state
 
 .venv/bin/python:
@@ -87,6 +94,10 @@ clean:  ## remove the environment and what runs left here
 .venv/.dev: .venv/.run
 	@echo "Installing the tools of development ..."
 	@$(INSTALL) --editable ".[dev]"
+	@touch $@
+
+.venv/.mutants: .venv/.dev
+	@$(INSTALL) --editable ".[mutants]"
 	@touch $@
 
 .venv/.bench: .venv/.run

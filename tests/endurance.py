@@ -80,13 +80,13 @@ def study():
         vary = {"fluid.density": f"1:2:{CASES_IN_ONE}"}
         found = taichiflap.sweep(case, vary, Path(folder) / "map.h5", metrics=["power_mean"], progress=look)
     complete = int((found.status == 1).sum())
-    # The xarray of the whole map is not part of the march.
+    parts = [max(part) for part in np.array_split(settled, 5)]
     print(
-        f"{complete} cases in one process: {settled[0]:.1f} MB after a tenth, {max(settled):.1f} MB at most, "
-        f"{time.monotonic() - began:.0f} s",
+        f"{complete} cases in one process: after the first tenth at most "
+        f"{', '.join(f'{one:.1f}' for one in parts)} MB in each fifth, {time.monotonic() - began:.0f} s",
         flush=True,
     )
-    return complete == CASES_IN_ONE and max(settled) < (1.0 + GROWTH) * settled[0]
+    return complete == CASES_IN_ONE and parts[4] < (1.0 + GROWTH) * parts[1]
 
 
 def browse(port, until, rng, trouble):

@@ -7,7 +7,7 @@ import pytest
 from conftest import hawkmoth
 
 import taichiflap
-from taichiflap import metrics, report
+from taichiflap import metrics, motion, report
 from taichiflap.beats import settled_beats, whole_beats
 from taichiflap.case import parse_case
 from taichiflap.studies import quantities
@@ -238,3 +238,23 @@ def test_reversals_of_ever_squarer_strokes_are_found_to_round_off(sharpness):
     case = hawkmoth(f"motion.plunge={plunge}", "motion.start_up_periods=0.5")
     found = metrics.reversals(case, 1.0, 3.0)
     np.testing.assert_allclose(found, (0.25 - 17.0 / 360.0) + 0.5 * np.arange(2, 6), atol=1e-12)
+
+
+def test_what_the_wake_lost_is_a_share_of_the_speed_of_the_wings_middle():
+    """Over the beats that are asked for alone, of a wing that plunges and pitches in a stream of 3 and 4 m/s."""
+    case = hawkmoth("time.periods=4", "time.steps_per_period=2000", "fluid.velocity=[3.0, 4.0]")
+    made = synthetic(case, force_y=np.ones_like)
+    moved = motion.sample(case.motion, made.time)
+    made.plunge, made.pitch = moved[:, motion.PLUNGE], moved[:, motion.PITCH]
+    made.wake_lost = np.where(made.time <= 0.08, 100.0, 0.5)
+    made.variables = (*made.variables, "wake_lost")
+    beats = whole_beats(case, made.time).after(2)
+    rates = 0.02 * 2.0 * np.pi * 25.0, 0.5 * case.wing.chord * np.radians(15.0) * 2.0 * np.pi * 25.0
+    speed = np.sqrt(25.0 + 0.5 * rates[0] ** 2 + 0.5 * rates[1] ** 2)
+    # The gradient at the last frame is one-sided.
+    assert metrics.summarise(made, beats).wake_lost == pytest.approx(0.5 / speed, rel=1e-4)
+    still = hawkmoth("time.periods=4", "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0")
+    made = synthetic(still)
+    made.plunge = made.pitch = np.zeros_like(made.time)
+    made.wake_lost, made.variables = np.ones_like(made.time), (*made.variables, "wake_lost")
+    assert metrics.summarise(made).wake_lost == 0.0

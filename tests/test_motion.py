@@ -206,3 +206,61 @@ def test_a_wing_that_moves_through_still_air_feels_what_it_feels_in_a_stream(sol
     assert size > 1e-4
     np.testing.assert_allclose(one.force, other.force, atol=1e-9 * size)
     np.testing.assert_allclose(one.q, other.q, atol=1e-9 * np.abs(one.q).max())
+
+
+def test_reversals_of_a_stretch_are_those_inside_it_and_at_its_ends():
+    """The hawkmoth reverses at every half of its 40 ms; where a stretch ends just there, that is one of its own."""
+    stroke, half = hawkmoth().motion, 0.02
+    for first, last, expected in (
+        (0.0, 3.0, [0, 1, 2, 3]),
+        (1.0, 2.0, [1, 2]),
+        (1.1, 2.9, [2]),
+        (1.1, 1.9, []),
+        (7.0, 7.0, [7]),
+    ):
+        found = motion.reversals(stroke, first * half, last * half, half / 50)
+        np.testing.assert_allclose(found, half * np.array(expected), rtol=0, atol=1e-12 * half)
+    # Steps that meet the reversals, and steps of no round number.
+    for step in (0.25, 0.4, 1.0 / 3.0, 0.77):
+        found = motion.reversals(stroke, 0.0, 10.0 * half, step * half)
+        np.testing.assert_allclose(found, half * np.arange(11), rtol=0, atol=1e-12 * half)
+
+
+def test_a_reversal_in_a_corner_is_found_by_halving():
+    """A table's velocity has kinks: where the slope vanishes on one side, Newton's step leads nowhere."""
+    points = [[0.0, 0.0], [0.1, 1.0], [0.2, 1.0001], [0.3, 1.0], [1.0, 0.0]]
+    text = ", ".join(f"[{t}, {0.01 * z}]" for t, z in points)
+    stroke = hawkmoth(
+        f"motion.plunge={{kind='table', points=[{text}], periodic=false}}", "motion.frequency=1.0", "time.periods=1"
+    ).motion
+    times = np.linspace(0.0, 1.0, 200_001)
+    rate = motion.sample(stroke, times)[:, 1]
+    (turns,) = np.nonzero((rate[1:] > 0.0) != (rate[:-1] > 0.0))
+    found = motion.reversals(stroke, 0.0, 1.0, 0.01)
+    inner = found[(found > 1e-6) & (found < 1.0 - 1e-6)]
+    expected = times[turns][(times[turns] > 1e-4) & (times[turns] < 1.0 - 1e-4)]
+    assert len(expected)
+    np.testing.assert_allclose(inner, expected, rtol=0, atol=1e-5)
+
+
+def test_typical_speed_of_motions_whose_speed_is_known():
+    times = np.arange(4000) * 0.04 / 4000
+    still = "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0"
+    omega = 2.0 * np.pi * 25.0
+    plunging = hawkmoth(still[1]).motion
+    assert motion.typical_speed(plunging, 0.02, (0.0, 0.0), times) == pytest.approx(0.02 * omega / np.sqrt(2.0))
+    pitching = hawkmoth(still[0]).motion
+    rate = np.radians(15.0) * omega / np.sqrt(2.0)
+    assert motion.typical_speed(pitching, 0.03, (0.0, 0.0), times) == pytest.approx(0.03 * rate)
+    assert motion.typical_speed(hawkmoth(*still).motion, 0.02, (3.0, -4.0), times) == pytest.approx(5.0)
+    # Along Y the stream meets a plunging wing across its motion, along Z with it and against it in turn.
+    for stream in ((2.0, 0.0), (0.0, 2.0)):
+        squared = motion.typical_speed(plunging, 0.02, stream, times) ** 2
+        assert squared == pytest.approx(4.0 + (0.02 * omega) ** 2 / 2.0)
+    # Velocity of the trailing edge from its position, turning and plunging in a stream.
+    whole, behind = hawkmoth("motion.pitch.mean_deg=20.0").motion, 0.015
+    moved = motion.sample(whole, times)
+    edge = np.stack((behind * np.cos(moved[:, 3]), moved[:, 0] + behind * np.sin(moved[:, 3])))
+    moving = (np.roll(edge, -1, axis=1) - np.roll(edge, 1, axis=1)) / (2.0 * times[1]) - np.array([[0.7], [-0.3]])
+    measured = np.sqrt(np.mean(np.sum(moving**2, axis=0)))
+    assert motion.typical_speed(whole, behind, (0.7, -0.3), times) == pytest.approx(measured, rel=1e-5)

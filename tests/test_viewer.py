@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 
 import h5py
 import msgspec
@@ -352,6 +353,16 @@ def test_a_page_gets_its_controls_before_it_has_told_its_name(folder, monkeypatc
                 page.recv(timeout=30.0)
     finally:
         told.set()
+        viewer.stop()
+
+
+def test_browsers_that_never_come_back_are_forgotten(folder):
+    viewer = Viewer([folder / "dbet.h5"])
+    try:
+        viewer._dropped = {"gone": [(-1e9, opening(viewer.runs))], "late": [(-1e9, None), (time.monotonic(), None)]}
+        viewer._forget()
+        assert {name: len(places) for name, places in viewer._dropped.items()} == {"late": 1}
+    finally:
         viewer.stop()
 
 

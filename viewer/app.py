@@ -80,12 +80,22 @@ class Viewer(Server):
         browser = _browser(client)
         with self._lock:
             self._browsers[client.client_id] = browser
-            places = self._dropped.pop(browser, [])
-            recent = [place for place in places if time.monotonic() - place[0] < FORGET_SECONDS]
+            self._forget()
+            recent = self._dropped.pop(browser, [])
             playback = recent.pop()[1] if recent else session.playback
             if recent:
                 self._dropped[browser] = recent
         self._guard(session.start, playback)
+
+    def _forget(self) -> None:
+        """Drop the places of browsers that have been away for long, of those too that never come back."""
+        now = time.monotonic()
+        for browser, places in list(self._dropped.items()):
+            recent = [place for place in places if now - place[0] < FORGET_SECONDS]
+            if recent:
+                self._dropped[browser] = recent
+            else:
+                del self._dropped[browser]
 
     def _disconnect(self, client: Any) -> None:
         with self._lock:
