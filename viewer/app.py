@@ -74,11 +74,13 @@ class Viewer(Server):
 
     def _connect(self, client: Any) -> None:
         session = Session(client, self.runs, opening(self.runs), self._fields)
-        with self._lock:
-            self._sessions[client.client_id] = session
+        if not self._welcome(client, session):
+            return
         # The answer comes when the page has worked its way through what was sent until now.
         browser = _browser(client)
         with self._lock:
+            if client.client_id not in self._sessions:
+                return
             self._browsers[client.client_id] = browser
             self._forget()
             recent = self._dropped.pop(browser, [])
@@ -98,8 +100,8 @@ class Viewer(Server):
                 del self._dropped[browser]
 
     def _disconnect(self, client: Any) -> None:
+        session = self._take_leave(client)
         with self._lock:
-            session = self._sessions.pop(client.client_id, None)
             browser = self._browsers.pop(client.client_id, None)
             if session and browser:
                 self._dropped.setdefault(browser, []).append((time.monotonic(), session.playback))

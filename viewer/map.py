@@ -67,11 +67,10 @@ class MapViewer(Server):
 
     def _connect(self, client: Any) -> None:
         session = MapSession(client, self.path, self.run, self.worker)
-        with self._lock:
-            self._sessions[client.client_id] = session
+        if not self._welcome(client, session):
+            session.close()
 
     def _disconnect(self, client: Any) -> None:
-        with self._lock:
-            session = self._sessions.pop(client.client_id, None)
+        session = self._take_leave(client)
         if session:
             session.close()

@@ -37,6 +37,7 @@ class Server:
     def __init__(self, host: str, port: int) -> None:
         self.host = host
         self._sessions: dict[int, Any] = {}
+        self._gone: set[int] = set()
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
@@ -68,6 +69,23 @@ class Server:
         """Those of the browsers that are connected."""
         with self._lock:
             return list(self._sessions.values())
+
+    def _welcome(self, client: Any, session: Any) -> bool:
+        """Count a browser in; not one that left while its session was made."""
+        with self._lock:
+            if client.client_id in self._gone:
+                self._gone.remove(client.client_id)
+                return False
+            self._sessions[client.client_id] = session
+            return True
+
+    def _take_leave(self, client: Any) -> Any:
+        """Count a browser out; its session, if it had one already."""
+        with self._lock:
+            session = self._sessions.pop(client.client_id, None)
+            if session is None:
+                self._gone.add(client.client_id)
+            return session
 
     def stop(self) -> None:
         """Stop serving."""
