@@ -17,6 +17,8 @@ from conftest import CASES, done, hawkmoth
 import taichiflap
 from taichiflap.errors import UserError
 
+pytestmark = pytest.mark.slow
+
 VARY = {"wing.youngs_modulus": "1e10:4e10:12"}
 STUDY = """
 import taichiflap

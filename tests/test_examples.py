@@ -13,6 +13,8 @@ import pytest
 import taichiflap
 from taichiflap.theory import mean_thrust, wagner
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
 

@@ -71,6 +71,8 @@ HOSTILE = {
     "an endless title": lambda file: file.attrs.create("title", np.zeros(1000)),
     "a status of its own": lambda file: file.attrs.modify("status", np.bytes_(b"perfect")),
     "time from elsewhere": lambda file: file["time"].write_direct(np.linspace(0.0, 1e300, 41)),
+    "a frame out of time": lambda file: file["time"].__setitem__(7, 1e30),
+    "a frame twice": lambda file: file["time"].__setitem__(7, file["time"][8]),
     "forces that are none": lambda file: file["force_y"].__setitem__(20, np.nan),
     "forces beyond measure": lambda file: file["force_y"].__setitem__(20, 1e200),
     "no wing": lambda file: file.__delitem__("node"),

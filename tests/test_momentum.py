@@ -6,6 +6,8 @@ from conftest import hawkmoth
 
 from taichiflap.studies import momentum
 
+pytestmark = pytest.mark.slow
+
 ACCURATE = (
     "uvlm.panels=20", "uvlm.spacing=cosine", "uvlm.loads=vortices", "uvlm.shedding=local",
     "uvlm.convection=second_order", "uvlm.core=0.02", "uvlm.core_growth=0.1", "uvlm.wake=all", "uvlm.suction=true",

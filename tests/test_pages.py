@@ -16,6 +16,8 @@ import taichiflap
 from taichiflap import cli
 from taichiflap.case import parse_case
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent
 TUTORIAL = ROOT / "docs" / "tutorial.md"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

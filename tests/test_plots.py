@@ -16,6 +16,8 @@ import taichiflap
 from taichiflap import cli, metrics, palette, plots, scene
 from taichiflap.errors import UserError
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def lattice(tmp_path_factory):

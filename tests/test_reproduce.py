@@ -20,6 +20,8 @@ from taichiflap.studies.paper import Settings
 from taichiflap.studies.plan import RIGID, key
 from taichiflap.studies.verdict import Verdict
 
+pytestmark = pytest.mark.slow
+
 QUICK = Settings(
     periods=3,
     steps_per_period=200,

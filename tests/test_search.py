@@ -17,6 +17,8 @@ from taichiflap.studies.expression import ExpressionError, read_constraint, read
 from taichiflap.studies.optimise import optimise
 from taichiflap.studies.quantities import QUANTITIES
 
+pytestmark = pytest.mark.slow
+
 SHORT = ("solver=dbet", "time.periods=2", "time.steps_per_period=40", "dbet.elements=8")
 
 

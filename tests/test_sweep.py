@@ -18,6 +18,8 @@ from taichiflap.errors import UserError
 from taichiflap.studies import batch, quantities
 from taichiflap.studies.sweep import fill, prepare
 
+pytestmark = pytest.mark.slow
+
 SHORT = ("time.periods=2", "time.steps_per_period=40", "uvlm.panels=8", "dbet.elements=8")
 SPINNING = ("motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0", "fluid.density=0.0", "time.periods=60")
 

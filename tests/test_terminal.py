@@ -15,6 +15,8 @@ from taichiflap import cli, progress
 from taichiflap.outcome import Outcome
 from taichiflap.studies.quantities import QUANTITIES
 
+pytestmark = pytest.mark.slow
+
 DBET = str(CASES / "hawkmoth_dbet.toml")
 SHORT = ["--set=time.periods=2", "--set=time.steps_per_period=40", "--set=dbet.elements=8"]
 

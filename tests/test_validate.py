@@ -9,6 +9,8 @@ from taichiflap import cli
 from taichiflap.studies import orders, oscillation, plate, start, structure, validate, validation_report
 from taichiflap.studies.checks import Chart, Check, Curve, Row, accurate, observed_order, papers
 
+pytestmark = pytest.mark.slow
+
 
 def errors(check):
     """Errors of a check's rows by setting."""
