@@ -99,7 +99,7 @@ class Result:
     @functools.cached_property
     def case(self) -> Case:
         """The case that was computed, overrides included."""
-        return parse_case(tomllib.loads(self.file.attrs["case"]), "the result's case")
+        return parse_case(tomllib.loads(intact.attribute(self.file, "case")), "the result's case")
 
     @property
     def frames(self) -> int:

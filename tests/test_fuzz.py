@@ -97,6 +97,7 @@ def test_text_in_a_file_cannot_steer_the_terminal(tmp_path, good):
     with h5py.File(path, "r+") as file:
         file.attrs["title"] = "\x1b[2Jcleared"
         file.attrs["warnings"] = "\x1b]0;title\x07"
+        file.attrs["case"] = file.attrs["case"].replace('title = "', 'title = "\x7f')
     with taichiflap.open_result(path) as result:
         said = "\n".join(taichiflap.report.summary_lines(result)) + str(result.attributes)
     assert "\x1b" not in said
