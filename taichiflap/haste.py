@@ -11,7 +11,7 @@ import inspect
 import linecache
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 
@@ -51,6 +51,12 @@ def _source(function: Callable[..., Any]) -> tuple[list[str], int]:
 @functools.cache
 def _ends(path: str) -> dict[int, int]:
     """Last line of every function of a file, by its first, which is that of its first decorator."""
-    tree = ast.parse("".join(linecache.getlines(path)))
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    functions = _functions(ast.parse("".join(linecache.getlines(path))).body)
     return {min([f.lineno, *(d.lineno for d in f.decorator_list)]): f.end_lineno or 0 for f in functions}
+
+
+def _functions(body: list[ast.stmt]) -> Iterator[ast.FunctionDef]:
+    for statement in body:
+        if isinstance(statement, ast.FunctionDef):
+            yield statement
+        yield from _functions(getattr(statement, "body", []))
