@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .commands import studies
+from .commands.interrupts import heard, interruptible
 from .commands.options import CaseFile, Settings
 from .errors import UserError
 
@@ -74,14 +75,13 @@ def simulate(
     for warning in plausible.warnings(case):
         print(f"warning: {warning}", file=sys.stderr)
     with _viewing(path) if view else nullcontext():
-        try:
+        again = ["taichiflap", "simulate", str(case_file), *(f"--set={setting}" for setting in settings or ())]
+        again += [*(["-o", str(output)] if output else []), "--resume"]
+        with interruptible(
+            f"interrupted: taichiflap info {path} shows what was computed until now",
+            f"go on with: {shlex.join(again)}",
+        ):
             result = _simulate_with_progress(case, path, threads, overwrite, resume)
-        except KeyboardInterrupt:
-            again = ["taichiflap", "simulate", str(case_file), *(f"--set={setting}" for setting in settings or ())]
-            again += [*(["-o", str(output)] if output else []), "--resume"]
-            print(f"interrupted: taichiflap info {path} shows what was computed until now", file=sys.stderr)
-            print(f"go on with: {shlex.join(again)}", file=sys.stderr)
-            raise typer.Exit(130) from None
         with result:
             _print_summary(result)
             failed = result.status == "failed"
@@ -284,11 +284,12 @@ def _pass_by(text: str) -> None:
 def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overwrite: bool, resume: bool) -> Any:
     from .run import simulate as run
 
-    if not sys.stderr.isatty():
-        return run(case, path, threads=threads, overwrite=overwrite, resume=resume)
-    from .progress import bar
+    shown: Any = nullcontext()
+    if sys.stderr.isatty():
+        from .progress import bar
 
-    with bar(case) as progress:
+        shown = bar(case)
+    with shown as update, heard(update) as progress:
         return run(case, path, threads=threads, progress=progress, overwrite=overwrite, resume=resume)
 
 

@@ -4,6 +4,7 @@ import contextlib
 import os
 import pty
 import re
+import signal
 import subprocess
 import sys
 
@@ -12,6 +13,7 @@ from conftest import CASES
 
 import taichiflap
 from taichiflap import cli, progress
+from taichiflap.commands import interrupts
 from taichiflap.outcome import Outcome
 from taichiflap.studies.quantities import QUANTITIES
 
@@ -137,3 +139,30 @@ def test_an_interrupted_study_says_how_to_go_on(tmp_path, monkeypatch, capsys):
     assert said.splitlines()[-1] == (
         "interrupted: hawkmoth_dbet-map.h5 keeps every finished batch; the same command goes on"
     )
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_ctrl_c_that_python_drops_is_heard_by_the_next_block():
+    class Deaf:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    told = []
+    with interrupts.heard(told.append) as update:
+        update(1)
+        Deaf()
+        told.append("still here")
+        with pytest.raises(KeyboardInterrupt):
+            update(2)
+    assert told == [1, "still here"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_who_ignores_ctrl_c_still_does():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interrupts.heard() as update:
+            signal.raise_signal(signal.SIGINT)
+            update(1)
+    finally:
+        signal.signal(signal.SIGINT, before)

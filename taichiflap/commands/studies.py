@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from .interrupts import heard, interruptible
 from .options import CaseFile, Cluster, Overwrite, Seed, Settings, Threads, Vary
 
 
@@ -42,8 +43,8 @@ def sweep(
         missing = len(sheet.pending)
         if missing < planned.size:
             print(f"{path}: {planned.size - missing:,} of {planned.size:,} cases are there already")
-        advice = f"{path} keeps every finished batch; the same command goes on"
-        with interruptible(advice), progress(case.title or "sweep") as tell:
+        advice = f"interrupted: {path} keeps every finished batch; the same command goes on"
+        with interruptible(advice), progress(case.title or "sweep") as update, heard(update) as tell:
             study.fill(sheet, cluster=cluster, threads=threads, progress=tell)
         _print_map(sheet)
 
@@ -72,7 +73,7 @@ def converge(
     share = study.read_tolerance(tolerance)
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}-converge.h5")
-    with interruptible(f"{path} keeps every finished case; the same command goes on"):
+    with interruptible(f"interrupted: {path} keeps every finished case; the same command goes on"):
         found = study.converge(
             case, share, path, metrics=metric or (), cluster=cluster, threads=threads, overwrite=overwrite,
             told=lambda trial: print(study.line(trial), flush=True),
@@ -110,7 +111,7 @@ def optimise(
 
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}-optimum.h5")
-    with interruptible(f"{path} keeps every finished case; the same command goes on"):
+    with interruptible(f"interrupted: {path} keeps every finished case; the same command goes on"):
         best = study.optimise(
             case, read_vary(vary), maximise, minimise, subject_to or (), path, generations=generations,
             population=population, seed=seed, cluster=cluster, threads=threads, overwrite=overwrite,
@@ -119,16 +120,6 @@ def optimise(
     print("\n".join(study.verdict(best, path)))
     if best is None or not best.holds:
         raise typer.Exit(1)
-
-
-@contextmanager
-def interruptible(advice: str) -> Iterator[None]:
-    """End with code 130 and a word of advice when interrupted."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        print(f"interrupted: {advice}", file=sys.stderr)
-        raise typer.Exit(130) from None
 
 
 @contextmanager
