@@ -242,6 +242,16 @@ def test_a_narrow_window_has_its_controls_below_the_scene(serve, look):
     assert button.bounding_box()["y"] > 0.55 * 800
 
 
+AT_REST = """async () => {
+    const place = () => window.__viserMutable.camera.position.toArray();
+    for (let before = place(); ; before = place()) {
+        await new Promise(later => setTimeout(later, 500));
+        if (place().every((x, i) => x === before[i])) return before;
+    }
+}"""
+"""Where the camera stands once it has been fitted to the window."""
+
+
 def test_the_view_pans_and_zooms_but_does_not_turn(serve, look):
     """Guards the private way in which rotation is locked."""
     viewer = serve("uvlm")
@@ -249,7 +259,7 @@ def test_the_view_pans_and_zooms_but_does_not_turn(serve, look):
     stop(page)
     pose = "() => window.__viserMutable.camera.{}.toArray()"
     page.wait_for_function("() => window.__viserMutable.cameraControl.azimuthRotateSpeed === 0")
-    before, turned = page.evaluate(pose.format("position")), page.evaluate(pose.format("quaternion"))
+    before, turned = page.evaluate(AT_REST), page.evaluate(pose.format("quaternion"))
     moved = "old => Math.hypot(...window.__viserMutable.camera.position.toArray().map((x, i) => x - old[i]))"
     page.mouse.move(700, 400)
     page.mouse.down()
