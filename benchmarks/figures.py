@@ -14,7 +14,7 @@ from .wakes import StepTimes, exponent
 
 def draw_sizes(rates: PairRates, steps: StepTimes, path: Path) -> None:
     """Pair sums of a cloud on itself, and steps of the march, against the number of vortices."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 4.6), layout="constrained")
     for name, of in rates.rate.items():
         sizes = np.array(list(of))
         left.loglog(
@@ -34,7 +34,7 @@ def draw_sizes(rates: PairRates, steps: StepTimes, path: Path) -> None:
 
 def draw_accuracy(points: list[Point], path: Path) -> None:
     """Error of amplitude and phase against processor time."""
-    figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(9.0, 4.6), layout="constrained")
     for who in dict.fromkeys(point.who for point in points):
         mine = [point for point in points if point.who == who]
         seconds = [point.seconds for point in mine]
@@ -49,6 +49,6 @@ def draw_accuracy(points: list[Point], path: Path) -> None:
 def _finish(figure: plt.Figure, axes: object, path: Path) -> None:
     for axis in np.atleast_1d(np.asarray(axes)):
         axis.grid(True, which="major", alpha=0.3)
-        axis.legend(frameon=False, fontsize="small")
+        axis.legend(frameon=False, fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.17))
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
