@@ -73,10 +73,10 @@ def converge(
     share = study.read_tolerance(tolerance)
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}-converge.h5")
-    with interruptible(f"interrupted: {path} keeps every finished case; the same command goes on"):
+    advice = f"interrupted: {path} keeps every finished case; the same command goes on"
+    with interruptible(advice), heard(lambda trial: print(study.line(trial), flush=True)) as told:
         found = study.converge(
-            case, share, path, metrics=metric or (), cluster=cluster, threads=threads, overwrite=overwrite,
-            told=lambda trial: print(study.line(trial), flush=True),
+            case, share, path, metrics=metric or (), cluster=cluster, threads=threads, overwrite=overwrite, told=told,
         )  # fmt: skip
     for figure in map_plots.convergence(found, path.with_suffix("")):
         print(f"{figure} written")
@@ -111,11 +111,15 @@ def optimise(
 
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}-optimum.h5")
-    with interruptible(f"interrupted: {path} keeps every finished case; the same command goes on"):
+    advice = f"interrupted: {path} keeps every finished case; the same command goes on"
+
+    def tell(number: int, one: Any) -> None:
+        print(f"generation {number:3d}: {study.line(one)}", flush=True)
+
+    with interruptible(advice), heard(tell) as told:
         best = study.optimise(
             case, read_vary(vary), maximise, minimise, subject_to or (), path, generations=generations,
-            population=population, seed=seed, cluster=cluster, threads=threads, overwrite=overwrite,
-            told=lambda number, one: print(f"generation {number:3d}: {study.line(one)}", flush=True),
+            population=population, seed=seed, cluster=cluster, threads=threads, overwrite=overwrite, told=told,
         )  # fmt: skip
     print("\n".join(study.verdict(best, path)))
     if best is None or not best.holds:
