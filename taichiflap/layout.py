@@ -11,10 +11,8 @@ from ._version import __version__
 from .beam import Modes
 from .case import Case
 from .results import FORMAT
-from .variables import AXES, MODE_VARIABLES, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
+from .variables import AXES, MODE_VARIABLES, NO_COORDINATE, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
 
-NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
-"""What netCDF-4 calls a dimension scale that holds no values."""
 REASON_BYTES = 512
 """Room for the reason of a failure."""
 WARNING_BYTES = 512

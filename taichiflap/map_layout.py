@@ -16,14 +16,13 @@ from .design import MOST_CASES, Axis, Design
 from .intact import DamageError
 from .outcome import COMPLETE, FAILED, TO_DO
 from .problems import key_units
-from .variables import VARIABLES, Variable
+from .variables import NO_COORDINATE, VARIABLES, Variable
 
 FORMAT = 1
 """Version of the layout; a reader refuses files of a newer one."""
 FLAGS = np.array([TO_DO, COMPLETE, FAILED], "i1")
 SAMPLE, FRAME = "sample", "frame"
 SAMPLE_CHUNK = 1024
-NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
 _TEXT = h5py.string_dtype()
 
 
@@ -159,7 +158,6 @@ def _lay_axis(file: Any, axis: Axis, grid: bool) -> None:
 
 
 def _describe(file: Any, dataset: Any, variable: Variable, names: Sequence[str]) -> None:
-    words = {name: getattr(variable, name) for name in ("units", "long_name", "symbol", "comment")}
-    dataset.attrs.update({name: text for name, text in words.items() if text})
+    dataset.attrs.update(variable.attributes)
     for position, name in enumerate(names):
         dataset.dims[position].attach_scale(file[name])

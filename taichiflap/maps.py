@@ -23,6 +23,7 @@ from .extras import extra
 from .intact import DAMAGE
 from .map_layout import FRAME, SAMPLE
 from .outcome import COMPLETE, FAILED, TO_DO, Outcome
+from .results import first_line
 from .variables import VARIABLES, Variable
 
 ATTRIBUTES = (
@@ -131,7 +132,7 @@ class Map:
             map_layout.scatter(self.file["status"], places, statuses)
             self.file.flush()
         except OSError as error:
-            raise MapError(f"{self.path}: cannot be written: {_first_line(error)}") from None
+            raise MapError(f"{self.path}: cannot be written: {first_line(error)}") from None
 
     def extend(self, axes: Sequence[Axis]) -> range:
         """Add cases to the end of a sample; returns their numbers."""
@@ -209,7 +210,7 @@ def create(
         map_layout.lay_out(file, case, design, metrics, series, title or case.title)
         os.replace(draft, path)
     except OSError as error:
-        raise MapError(f"{path}: cannot be created: {_first_line(error)}") from None
+        raise MapError(f"{path}: cannot be created: {first_line(error)}") from None
     finally:
         draft.unlink(missing_ok=True)
     return Map(file, path)
@@ -231,7 +232,7 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
     except BlockingIOError:
         raise MapError(f"{path}: another study is writing it") from None
     except OSError as error:
-        raise MapError(f"{path}: not a readable map: {_first_line(error)}") from None
+        raise MapError(f"{path}: not a readable map: {first_line(error)}") from None
     try:
         if "taichiflap_map" not in file.attrs:
             raise MapError(f"{path}: an HDF5 file, but not a map of taichiflap")
@@ -273,7 +274,3 @@ def _check_place(path: Path) -> None:
         raise MapError(f"{path}: another study is writing it") from None
     except OSError:
         return
-
-
-def _first_line(error: OSError) -> str:
-    return error.strerror or (os.strerror(error.errno) if error.errno else str(error).splitlines()[0])

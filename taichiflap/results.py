@@ -2,6 +2,7 @@
 
 import bisect
 import functools
+import os
 import tomllib
 from pathlib import Path
 from types import TracebackType
@@ -297,4 +298,4 @@ def _check_contents(file: Any, case: Case) -> None:
 
 def first_line(error: OSError) -> str:
     """The cause in the words of the system, or of HDF5."""
-    return error.strerror or str(error).splitlines()[0]
+    return error.strerror or (os.strerror(error.errno) if error.errno else str(error).splitlines()[0])

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
+"""What netCDF-4 calls a dimension scale that holds no values."""
+
 
 @dataclass(frozen=True)
 class Variable:

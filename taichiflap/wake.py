@@ -160,14 +160,12 @@ def carry_single(wake: View, panels, stream: View, b, first):
 def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
     """Velocity of all wake vortices; the kernel holds the sums in single precision only where a case wants them."""
     count = wake.ring[b, COUNT]
-    narrowed = 0
-    if ti.static(single):
-        if wake.setting[b, SINGLE] > 0.0:
-            narrowed = 1
+    if wake.setting[b, SINGLE] > 0.0:
+        if ti.static(single):
             narrow(wake, bound, panels, b)
             for block in range((count + 15) // 16):
                 carry_single(wake, panels, stream, b, 16 * block)
-    if narrowed == 0:
+    else:
         for block in range((count + 7) // 8):
             carry(wake, bound, panels, stream, b, 8 * block)
 
