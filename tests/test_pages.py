@@ -3,6 +3,7 @@
 import re
 import shlex
 import shutil
+import signal
 import sys
 import tomllib
 from pathlib import Path
@@ -113,8 +114,12 @@ def folder(tmp_path_factory):
 def test_the_pythons_of_the_pages_run(page, folder, monkeypatch):
     monkeypatch.chdir(folder)
     names = {}
-    for _, block in blocks(page, "python"):
-        exec(block, names)
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        for _, block in blocks(page, "python"):
+            exec(block, names)
+    finally:
+        signal.signal(signal.SIGINT, before)  # dask_jobqueue takes Ctrl-C for itself when it is imported
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "toml")], ids=lambda page: page.stem)
