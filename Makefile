@@ -55,7 +55,6 @@ endurance: .venv/.dev  ## a thousand beats, ten thousand cases, ten browsers for
 	$(BIN)/python tests/endurance.py
 
 mutants: .venv/.mutants  ## change the physics in pure Python in two thousand ways, and count what the tests notice
-	$(BIN)/python -m mutmut run --max-children 2
 	$(BIN)/python tests/mutants.py
 
 docs: .venv/.docs  ## the documentation, warnings as errors

@@ -66,7 +66,7 @@ def whole_beats(case: Case, time: Array) -> Beats:
     """The whole beats of a run: the frames of each are those after its start, up to and with its end."""
     count = int(time[-1] / case.beat + SAME_TIME) if len(time) else 0
     ends = case.beat * (np.arange(count + 1) + SAME_TIME)
-    return Beats(np.unique(np.searchsorted(time, ends, side="right")))
+    return Beats(np.unique(np.searchsorted(time, ends)))
 
 
 def settled_beats(result: Result) -> Beats:

@@ -213,8 +213,7 @@ def after_reversal(case: Case, beats: float) -> float | None:
     """Time (beats) from the last stroke reversal to a time (beats); None if there was none within a beat."""
     # Of whole beats: the cases of a study have them in common.
     whole = math.floor(beats) if case.periodic else 0
-    step = case.beat / MOMENTS if case.periodic else case.step
-    found = motion.reversals(case.motion, max(whole - 1, 0) * case.beat, (whole + 1) * case.beat, step) / case.beat
+    found = reversals(case, max(whole - 1, 0), whole + 1)
     before = found[(found > beats - 1.0 - RESOLVED) & (found < beats + RESOLVED)]
     return max(0.0, beats - float(before[-1])) if len(before) else None
 

@@ -6,7 +6,7 @@ Table 2 of Reade & Jankauski (2020) and other kinds. A motion is sampled once, a
 import functools
 import math
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
 
 
 def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
-    """Times (s) of stroke reversal from `first` to `last`: where the plunge velocity changes sign.
+    """Times (s) of stroke reversal from `first` to `last`: where the plunge velocity changes sign, or rests on the way.
 
     Args:
         step: s; two reversals within a step may be missed.
@@ -73,7 +73,7 @@ def _turns(plunge: Callable[[Array], Array], early: Any, late: Any, forth: NDArr
     resolved = ROUND_OFF * np.maximum(np.abs(late), moved)
     for _ in range(ROUNDS):
         _, rate, accel = plunge(times).T
-        before = (rate > 0.0) == forth
+        before = np.where(forth, rate, -rate) > 0.0
         early, late = np.where(before, times, early), np.where(before, late, times)
         with np.errstate(divide="ignore", invalid="ignore"):
             newton = times - rate / accel
@@ -110,7 +110,8 @@ def sample_axis(axis: Travel, frequency: float | None, growth: float, times: NDA
 
 
 def _follow(axis: Travel, frequency: float | None, times: NDArray[np.floating]) -> Array:
-    formula, arguments = getattr(profiles, axis.kind), axis.in_si()
+    formula: Callable[..., Array] = getattr(profiles, axis.kind)
+    arguments = axis.in_si()
     if axis.repeats:
         arguments["frequency"] = frequency
-    return cast(Array, formula(times, **arguments))
+    return formula(times, **arguments)

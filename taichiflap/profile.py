@@ -42,6 +42,6 @@ class Profile:
         if np.all(self.values == self.values[0]):
             return np.full(len(edges) - 1, self.values[0])
         area = np.concatenate(([0.0], np.cumsum(np.diff(self.s) * 0.5 * (self.values[1:] + self.values[:-1]))))
-        left = np.clip(np.searchsorted(self.s, edges, side="right") - 1, 0, len(self.s) - 2)
+        left = np.searchsorted(self.s, edges, side="right") - 1
         to_edge = area[left] + (edges - self.s[left]) * 0.5 * (self.values[left] + self(edges))
         return np.diff(to_edge) / np.diff(edges)

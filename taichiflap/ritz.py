@@ -76,7 +76,7 @@ def curvature(breaks: Array, s: Array) -> Array:
     rows = []
     for left, right, count in zip(breaks[:-1], breaks[1:], terms(breaks), strict=True):
         x = 2.0 * (s - left) / (right - left) - 1.0
-        rows.append(np.where(np.abs(x) <= 1.0, legendre.legval(np.clip(x, -1.0, 1.0), np.eye(count)), 0.0))
+        rows.append(np.where(np.abs(x) <= 1.0, legendre.legval(x, np.eye(count)), 0.0))
     return np.concatenate(rows)
 
 

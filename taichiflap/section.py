@@ -49,8 +49,8 @@ class Section:
             span, thickness = given["span"], given["thickness"]
             mass = _product(span, thickness, given["density"])
             modulus = given.get("youngs_modulus")
-            rigidity = modulus and _product(span, thickness, thickness, thickness, modulus, factor=1.0 / 12.0)
-        points = np.array(wing.point_masses, dtype=np.float64).reshape(-1, 2)
+            rigidity = modulus and _product(Profile.of(1.0 / 12.0), span, thickness, thickness, thickness, modulus)
+        points = np.array(wing.point_masses).reshape(-1, 2)
         corners = [profile.s for profile in given.values()]
         return cls(wing.chord, np.unique(np.concatenate([*corners, points[:, 0]])), mass, rigidity, points)
 
@@ -71,11 +71,5 @@ def gauss(breaks: Array, points: Sequence[int]) -> tuple[Array, Array]:
     return np.concatenate(places), np.concatenate(weights)
 
 
-def _product(*profiles: Profile, factor: float = 1.0) -> Function:
-    def product(s: Array) -> Array:
-        total = np.full(np.shape(s), factor)
-        for profile in profiles:
-            total = total * profile(s)
-        return total
-
-    return product
+def _product(*profiles: Profile) -> Function:
+    return lambda s: np.prod([profile(s) for profile in profiles], axis=0)

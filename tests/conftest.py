@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import taichiflap
-from taichiflap import beam, fluids
+from taichiflap import beam, fluids, metrics, motion, profiles
 from taichiflap.errors import UserError
 from taichiflap.march import March
 
@@ -23,6 +23,13 @@ if "TAICHIFLAP_SOCKETS" not in os.environ:
     os.environ["TAICHIFLAP_SOCKETS"] = tempfile.mkstemp(prefix="sockets")[1]
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(SOCKETS), os.environ.get("PYTHONPATH"))))
 runpy.run_path(str(SOCKETS / "sitecustomize.py"))
+
+# The same examples for every mutant, and no search for the smallest one that fails.
+if "MUTANT_UNDER_TEST" in os.environ:
+    import hypothesis
+
+    hypothesis.settings.register_profile("mutants", derandomize=True, database=None, phases=[hypothesis.Phase.generate])
+    hypothesis.settings.load_profile("mutants")
 
 # A job started in the background by a shell ignores Ctrl-C, and so would the commands that the tests interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -87,4 +94,6 @@ def _all_stays_on_this_machine():
 def _no_mutant_hides():
     """Mutants run in forks of a process that has run the tests already: what it remembers would answer for them."""
     if "MUTANT_UNDER_TEST" in os.environ:
-        beam.modes.cache_clear()
+        for module in (beam, metrics, motion, profiles):
+            for cached in vars(module).values():
+                getattr(cached, "cache_clear", bool)()

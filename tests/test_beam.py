@@ -61,6 +61,21 @@ def test_mass_constants():
     assert section.second_moment == pytest.approx(40e-6 * 0.02**2 / 3)
 
 
+@pytest.mark.parametrize("pivot", [0.0, 0.25, 1.0])
+def test_a_rigid_plate_has_the_moments_of_a_rod_about_its_pivot(pivot):
+    """Huygens and Steiner: those about the middle, and of the whole mass there."""
+    section = beam.modes(hawkmoth("wing.modes=0", f"wing.pivot={pivot}").wing)
+    arm = 0.02 * (0.5 - pivot)
+    assert section.first_moment == pytest.approx(40e-6 * arm, rel=1e-14, abs=1e-25)
+    assert section.second_moment == pytest.approx(40e-6 * (0.02**2 / 12 + arm**2), rel=1e-14)
+
+
+def test_places_in_single_precision_are_computed_with_in_double():
+    section, y = beam.modes(hawkmoth("wing.modes=3").wing), np.array([0.001, 0.013], np.float32)
+    np.testing.assert_array_equal(section.shape(y), section.shape(y.astype(float)))
+    np.testing.assert_array_equal(section.slope(y), section.slope(y.astype(float)))
+
+
 def test_damping_ratio_of_each_mode():
     assert beam.modes(hawkmoth("wing.modes=2", "wing.damping_ratio=[0.1, 0.2]").wing).damping_ratio.tolist() == [
         0.1,

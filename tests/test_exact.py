@@ -93,8 +93,17 @@ def test_thrust_of_plunge_is_all_suction():
     assert theory.mean_thrust(k, plunge) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("load", [theory.oscillating_loads, theory.mean_power, theory.mean_thrust])
+def test_a_plate_does_what_it_is_told_and_nothing_else(load):
+    np.testing.assert_array_equal(load(0.5), 0.0)
+    assert load(0.5, plunge=0.1) == load(0.5, 0.1, 0.0, 0.0)
+    assert load(0.5, pitch=0.1) == load(0.5, 0.0, 0.1, 0.0)
+
+
 def test_steady_plate_and_camber():
     assert theory.plate_normal_force(1e-4) == pytest.approx(2e-4 * math.pi, rel=1e-7)
+    assert theory.plate_normal_force(math.pi / 4) == pytest.approx(math.pi)
+    assert theory.plate_normal_force(math.pi / 2) == pytest.approx(0.0, abs=1e-15)
     whole = quad(lambda x: math.sqrt((1 - x) / x), 0, 1)[0]
     for x in (0.01, 0.3, 0.9):
         ahead = quad(lambda s: math.sqrt((1 - s) / s), 0, x)[0]
@@ -107,6 +116,14 @@ def test_added_mass_of_rigid_motion_is_its_closed_form():
     b = 0.5
     expected = math.pi * np.array([[b**2, b**3], [b**3, 9 / 8 * b**4]])
     np.testing.assert_allclose(theory.added_mass(RIGID), expected, rtol=1e-12)
+
+
+def test_added_mass_between_heave_and_any_shape_is_the_load_of_heave_along_it():
+    """A plate that heaves at unit speed has the potential jump `2 sqrt(x (1 - x))` (Lamb 1932, art. 71)."""
+    root = theory.cantilever_roots(2)[1]
+    shapes = [np.exp, lambda x: theory.cantilever_shape(root, x)]
+    work = [quad(lambda x, shape=one: 2.0 * math.sqrt(x * (1.0 - x)) * float(shape(x)), 0.0, 1.0)[0] for one in shapes]
+    np.testing.assert_allclose(theory.added_mass([np.ones_like, *shapes])[0, 1:], work, rtol=1e-8)
 
 
 def test_added_mass_is_the_limit_of_fast_oscillation():
@@ -138,8 +155,16 @@ def test_cantilever_is_as_tabulated():
 
 def test_vortices():
     assert theory.pair_speed(2 * math.pi, 2.0) == 0.5
-    assert theory.pair_rotation(1.0, 1.0, 2.0) == pytest.approx(theory.polygon_rotation(2, 1.0, 1.0))
-    corners = np.exp(0.5j * math.pi * np.arange(4))
+    assert theory.pair_rotation(1.3, 1.3, 3.0) == pytest.approx(theory.polygon_rotation(2, 1.3, 1.5))
+    corners = 0.7 * np.exp(0.5j * math.pi * np.arange(4))
     across = corners[0] - corners[1:]
-    conjugate_velocity = np.sum(1.0 / (2j * math.pi * across))
-    assert theory.polygon_rotation(4, 1.0, 1.0) == pytest.approx(-conjugate_velocity.imag)
+    conjugate_velocity = 1.3 * np.sum(1.0 / (2j * math.pi * across))
+    assert theory.polygon_rotation(4, 1.3, 0.7) == pytest.approx(-conjugate_velocity.imag / 0.7)
+
+
+def test_places_in_single_precision_are_computed_with_in_double():
+    x = np.array([0.1, 0.5, 0.9], np.float32)
+    for function in (theory.plate_load_ahead, lambda at: theory.cantilever_shape(1.8751, at)):
+        np.testing.assert_array_equal(function(x), function(x.astype(float)))
+    mass = [[0.5, 0.1, 0.0], [0.1, 0.3, 0.0], [0.0, 0.0, 0.2]]
+    np.testing.assert_array_equal(theory.wet_frequencies(x, mass), theory.wet_frequencies(x.astype(float), mass))

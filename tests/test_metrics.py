@@ -1,5 +1,6 @@
 """Statistics of synthetic and of real runs."""
 
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -63,16 +64,39 @@ def test_beats_that_the_start_disturbs_are_dropped_and_no_others(disturbed, rng)
 
 @pytest.mark.parametrize("count", [2, 3, 8, 15, 40])
 @pytest.mark.parametrize("offset", [0.0, 1e3])
-def test_the_beats_that_are_kept_have_the_least_standard_error(count, offset, rng):
-    case = hawkmoth(f"time.periods={count}")
+@pytest.mark.parametrize("start", [0.3, 1.0, 20.0])
+def test_the_beats_that_are_kept_have_the_least_standard_error(count, offset, start, rng):
+    case = hawkmoth(f"time.periods={count}", "time.steps_per_period=8")
     fade = 0.6 ** np.arange(count + 1)
-    y, z = offset + rng.standard_normal((2, count + 1)) * 0.1 + rng.standard_normal((2, 1)) * 20.0 * fade
+    y, z = offset + rng.standard_normal((2, count + 1)) * 0.1 + rng.standard_normal((2, 1)) * start * fade
     found = settled_beats(
         synthetic(case, force_y=lambda t: y[beat(t).astype(int)], force_z=lambda t: z[beat(t).astype(int)])
     )
     kept = [np.array([y[1 + n :], z[1 + n :]]) for n in range(count // 2 + 1)]
     errors = [np.sum(np.var(forces, axis=1)) / forces.shape[1] for forces in kept]
     assert len(found) == count - int(np.argmin(errors))
+
+
+def test_differences_of_a_millionth_disturb_no_beat_and_of_a_ten_thousandth_they_do(rng):
+    case = hawkmoth("time.periods=12", "time.steps_per_period=8")
+    noise = rng.standard_normal((2, 13))
+    fade = 0.3 ** np.arange(13)
+
+    def kept(size, start):
+        y, z = 5.0 * (1.0 + size * noise + start * fade)
+        return len(
+            settled_beats(
+                synthetic(case, force_y=lambda t: y[beat(t).astype(int)], force_z=lambda t: z[beat(t).astype(int)])
+            )
+        )
+
+    assert kept(1e-7, 0.0) == 12
+    assert kept(0.0, 1e-7) == 12
+    assert kept(1e-6, 1e-4) < 12
+
+
+def test_a_run_without_frames_has_no_beats():
+    assert len(whole_beats(hawkmoth(), np.zeros(0))) == 0
 
 
 def test_every_quantity_has_the_units_of_what_it_is_taken_of():
@@ -89,6 +113,20 @@ def test_every_quantity_has_the_units_of_what_it_is_taken_of():
 def test_two_beats_are_too_few_to_call_settled():
     assert metrics.summarise(synthetic(hawkmoth("time.periods=2"), force_y=np.ones_like)).settled is False
     assert metrics.summarise(synthetic(hawkmoth("time.periods=6"), force_y=np.ones_like)).settled is True
+
+
+def test_drift_and_spread_of_few_beats():
+    """Of two beats the line through both is their difference, and half of it their deviation; of one there is none."""
+    case = hawkmoth("time.periods=2")
+    two = synthetic(case, force_y=lambda t: 3.0 * beat(t), force_z=lambda t: 7.0 + 4.0 * beat(t))
+    beats = whole_beats(case, two.time)
+    size = np.sqrt(6.0**2 + 15.0**2)
+    summary = metrics.summarise(two, beats)
+    assert (summary.force_drift, summary.force_spread) == pytest.approx((5.0 / size, 2.5 / size))
+    last = metrics.summarise(two, beats.after(1))
+    assert (last.beats, last.force_drift, last.force_spread) == (1, 0.0, 0.0)
+    unloaded = metrics.summarise(synthetic(case), beats)
+    assert (unloaded.force_drift, unloaded.force_spread) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -137,6 +175,40 @@ def test_phase_of_the_first_harmonic_to_the_stroke(lag, phase, every):
     assert summary.force_normal_phase == pytest.approx(phase, abs=tolerance)
 
 
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ("motion.plunge.phase_deg=37.0",),
+        ("motion.plunge={kind='triangle', sharpness=0.9, amplitude=0.02, phase_deg=-100.0, mean=0.3}",),
+    ],
+)
+@pytest.mark.parametrize("lead", [-120.0, 0.0, 75.0, 180.0])
+def test_a_force_that_goes_with_the_plunge_leads_it_by_its_lead(settings, lead):
+    case = hawkmoth("time.periods=2", *settings)
+    times = case.step * np.arange(case.steps + 1) + lead / 360.0 * case.beat
+    plunge = motion.sample(case.motion, times)[:, motion.PLUNGE]
+    found = metrics.summarise(synthetic(case, force_normal=lambda t: 40.0 * plunge)).force_normal_phase
+    assert (abs(found) if lead == 180.0 else found) == pytest.approx(lead, abs=1e-6)
+
+
+def test_a_force_that_goes_with_a_growing_plunge_is_in_phase_with_it():
+    case = hawkmoth("time.periods=2", "motion.start_up_periods=4.0", "motion.plunge.phase_deg=20.0")
+    plunge = motion.sample(case.motion, case.step * np.arange(case.steps + 1))[:, motion.PLUNGE]
+    made = synthetic(case, force_normal=lambda t: 40.0 * plunge)
+    for beats in (whole_beats(case, made.time).after(1), whole_beats(case, made.time[:201])):
+        assert metrics.summarise(made, beats).force_normal_phase == pytest.approx(0.0, abs=0.5)
+
+
+def test_without_a_first_harmonic_of_the_plunge_the_phase_is_to_the_pitch():
+    case = hawkmoth(
+        "time.periods=4",
+        "motion.plunge={amplitude=0.0, mean=0.1, harmonics=[[2, 0.02, 10.0]]}",
+        "motion.pitch.phase_deg=50.0",
+    )
+    summary = metrics.summarise(synthetic(case, force_normal=lambda t: np.sin(50 * np.pi * t + np.radians(70.0))))
+    assert summary.force_normal_phase == pytest.approx(20.0)
+
+
 def test_harmonics_are_recovered_exactly():
     case = hawkmoth()
     time = case.step * np.arange(1, 401)
@@ -147,15 +219,43 @@ def test_harmonics_are_recovered_exactly():
 
 def test_peak_and_its_time_after_reversal():
     case = hawkmoth("motion.plunge.phase_deg=0.0")
-    summary = metrics.summarise(synthetic(case, tip_deflection=lambda t: 0.007 * np.cos(50 * np.pi * (t - 0.012))))
+    made = synthetic(case, tip_deflection=lambda t: -0.001 - 0.006 * np.cos(50 * np.pi * (t - 0.012)))
+    summary = metrics.summarise(made)
     assert summary.tip_peak.mean == pytest.approx(0.007)
-    assert summary.tip_peak_time % 0.5 == pytest.approx(0.3)
+    assert summary.tip_peak_time == pytest.approx(0.3)
     assert summary.tip_peak_after_reversal == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("frequency", [25.0, 30.0, 33.3, 110.0, 235.7])
+def test_a_peak_at_the_end_of_the_last_beat_is_at_time_0(frequency):
+    """And a hair before it too: round-off decides where the frame lies."""
+    case = hawkmoth(f"motion.frequency={frequency}", "time.periods=7", "time.steps_per_period=21")
+    made = synthetic(case)
+    made.tip_deflection[-1] = 1.0
+    for end in (made.time[-1], np.nextafter(7.0 / frequency, 0.0), 7.0 / frequency):
+        made.time[-1] = end
+        assert metrics.summarise(made).tip_peak_time == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(("beats", "after"), [(0.0, 0.0), (0.115, 0.115), (0.5, 0.0), (7.63, 0.13)])
 def test_reversal_of_the_papers_stroke_is_at_0_and_a_half(beats, after):
     assert metrics.after_reversal(hawkmoth(), beats) == pytest.approx(after)
+
+
+def test_reversals_a_few_steps_apart_are_told_apart():
+    """However few steps a beat has, and however long a run without one."""
+    quick = hawkmoth("time.steps_per_period=20", "motion.plunge.harmonics=[[25, 0.02, 5.0]]")
+    points = [[0.0, 0.0], [50.0, 1.0], [50.01, 0.99], [50.02, 1.0], [100.0, 0.0]]
+    document = hawkmoth().to_dict() | {"time": {"duration": 100.0, "step": 0.001}}
+    document["motion"] = {"plunge": {"kind": "table", "points": points}, "pitch": {"amplitude_deg": 0.0}}
+    for case, least in ((quick, 50), (parse_case(document), 3)):
+        beats = np.linspace(0.0, 1.0, 50_001)
+        rising = motion.sample(case.motion, beats * case.beat)[:, motion.PLUNGE_RATE] > 0.0
+        expected = beats[np.flatnonzero(rising[1:] != rising[:-1])]
+        assert len(expected) >= least
+        np.testing.assert_allclose(metrics.reversals(case, 0.0, 1.0), expected, rtol=0, atol=2.1e-5)
+        for turn, other in pairwise(expected):
+            assert metrics.after_reversal(case, 0.5 * (turn + other)) == pytest.approx(0.5 * (other - turn), abs=4e-5)
 
 
 @pytest.mark.parametrize("phase", [0.0, 37.0, 90.0, -200.0])
@@ -178,7 +278,8 @@ def test_reversals_are_the_zeros_of_the_plunge_velocity(plunge, phase):
 def test_a_start_up_moves_the_first_reversals_and_no_later_ones():
     plain, grown = (metrics.reversals(hawkmoth(*s), 0.0, 5.0) for s in ((), ("motion.start_up_periods=2.0",)))
     np.testing.assert_allclose(grown[-6:], plain[-6:], atol=1e-12)
-    assert np.abs(grown[:2] - plain[1:3]).max() > 0.01
+    early = grown[(grown > 0.1) & (grown < 0.9)]
+    assert np.abs(early[:, None] - plain).min() > 0.01
 
 
 def test_no_summary_before_the_first_beat_is_whole():
@@ -253,6 +354,14 @@ def test_what_the_wake_lost_is_a_share_of_the_speed_of_the_wings_middle():
     speed = np.sqrt(25.0 + 0.5 * rates[0] ** 2 + 0.5 * rates[1] ** 2)
     # The gradient at the last frame is one-sided.
     assert metrics.summarise(made, beats).wake_lost == pytest.approx(0.5 / speed, rel=1e-4)
+    document = hawkmoth().to_dict() | {"time": {"duration": 1.0, "step": 0.01}}
+    document["fluid"] = {"velocity": [5.0, 2.0]}
+    travel = {"kind": "table", "points": [[0.0, 1.0], [0.3, -2.0], [0.6, -5.0], [1.0, -9.0]]}  # -10 m/s
+    document["motion"] = {"plunge": travel, "pitch": {"amplitude_deg": 0.0}}
+    made = synthetic(parse_case(document), force_y=np.ones_like)
+    made.plunge, made.pitch = 1.0 - 10.0 * made.time, np.zeros_like(made.time)
+    made.wake_lost, made.variables = 2.6 * np.ones_like(made.time), (*made.variables, "wake_lost")
+    assert metrics.summarise(made).wake_lost == pytest.approx(2.6 / 13.0)
     still = hawkmoth("time.periods=4", "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0")
     made = synthetic(still)
     made.plunge = made.pitch = np.zeros_like(made.time)

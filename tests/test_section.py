@@ -1,5 +1,7 @@
 """Sections of any distribution: closed forms, the exact wedge and tip mass, orthonormality, an independent FEM."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from conftest import hawkmoth
@@ -20,6 +22,12 @@ GRADED = (
 )
 
 
+def rules(breaks, points):
+    """Gauss' rule on each piece of the chord."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    return [(a + (b - a) * (x + 1) / 2, (b - a) * w / 2) for a, b in pairwise(breaks)]
+
+
 def test_a_uniform_table_gives_the_closed_forms():
     exact = beam.modes(hawkmoth("wing.modes=8").wing)
     table = beam.modes(hawkmoth("wing.modes=8", "wing.thickness=[[0, 40e-6], [0.37, 40e-6], [1, 40e-6]]").wing)
@@ -36,6 +44,10 @@ def test_twenty_modes_of_many_pieces_are_still_good():
     table = beam.modes(hawkmoth("wing.modes=20", f"wing.youngs_modulus=[{entries}]").wing)
     np.testing.assert_allclose(table.omega, exact.omega, rtol=1e-8)
     np.testing.assert_allclose(table.psi, exact.psi, rtol=1e-7)
+    y, rule = (C * np.concatenate(parts) for parts in zip(*rules(np.linspace(0, 1, 21), 12), strict=True))
+    phi = table.shape(y)
+    # The tables' modes are normal to round-off, however many.
+    np.testing.assert_allclose((phi * (RHO * T * H * rule)) @ phi.T, np.eye(20), atol=1e-12)
 
 
 def test_wedge():
@@ -82,6 +94,55 @@ def test_graded_modes_are_orthonormal_and_meet_lambda_and_psi(count):
     assert np.all(section.psi > 0)
     moments = [mass.sum(), mass @ y, mass @ y**2]
     np.testing.assert_allclose([section.mass, section.first_moment, section.second_moment], moments, rtol=1e-12)
+
+
+def test_graded_modes_bend_without_work_on_one_another():
+    """`int EI phi_j'' phi_k'' dy` is `omega_k^2` for j = k and 0 otherwise: what makes them modes of this stiffness."""
+    wing = hawkmoth("wing.modes=6", *GRADED).wing
+    section, stored = beam.modes(wing), np.zeros((6, 6))
+    for s, rule in rules([0.0, 0.4, 0.55, 0.7, 1.0], 60):
+        span, thickness, modulus = (
+            np.interp(s, *np.array(table).T) for table in (wing.span, wing.thickness, wing.youngs_modulus)
+        )
+        # Slopes are polynomials on a piece; their derivative is exact.
+        slopes = np.polynomial.legendre.legfit(2 * (s - s[0]) / (s[-1] - s[0]) - 1, section.slope(C * s).T, 45)
+        bent = np.polynomial.legendre.legder(slopes, scl=2 / (C * (s[-1] - s[0])))
+        curvature = np.polynomial.legendre.legval(2 * (s - s[0]) / (s[-1] - s[0]) - 1, bent)
+        stored += (curvature * (C * rule * modulus * span * thickness**3 / 12)) @ curvature.T
+    size = np.outer(section.omega, section.omega)
+    np.testing.assert_allclose(stored / size, np.eye(6), atol=1e-9)
+
+
+def test_a_mass_on_the_way_to_the_tip():
+    """A cantilever in two pieces: deflection, slope and moment go on at the mass, the shear jumps by its inertia."""
+    at, share = 0.3, 2.0
+    section = beam.modes(hawkmoth("wing.modes=3", f"wing.point_masses=[[{at}, {share * RHO * T * H * C}]]").wing)
+
+    def mismatch(b):
+        def wave(x, n):
+            """The n-th derivative of `cosh + cos`."""
+            return [np.cosh(x) + np.cos(x), np.sinh(x) - np.sin(x), np.cosh(x) - np.cos(x), np.sinh(x) + np.sin(x)][
+                n % 4
+            ]
+
+        # The clamped piece has no deflection and slope at its end, the free one no moment and shear at its own.
+        x, z = b * at, b * (1.0 - at)
+        clamped = np.array([[wave(x, 2 + n), wave(x, 1 + n)] for n in range(4)])
+        free = np.array([[(-1) ** n * wave(z, n), (-1) ** n * wave(z, 3 + n)] for n in range(4)])
+        clamped[3] += share * b * clamped[0]
+        return np.linalg.det(np.hstack((clamped, -free))) / np.cosh(b)
+
+    beta = np.sqrt(section.omega / (T * np.sqrt(E / (12 * RHO)))) * C
+    exact = [brentq(mismatch, b * (1 - 1e-3), b * (1 + 1e-3), xtol=1e-14) for b in beta]
+    np.testing.assert_allclose(beta, exact, rtol=1e-10)
+
+
+def test_damping_and_pivot_of_a_graded_wing():
+    section = beam.modes(hawkmoth("wing.modes=2", "wing.damping_ratio=[0.1, 0.2]", *GRADED).wing)
+    assert section.damping_ratio.tolist() == [0.1, 0.2]
+    rigid = beam.modes(hawkmoth("wing.modes=0", *GRADED).wing)
+    assert [one.shape for one in (rigid.omega, rigid.damping_ratio, rigid.lam, rigid.psi)] == [(0,)] * 4
+    assert rigid.shape([0.0, 0.01]).shape == rigid.slope([0.0, 0.01]).shape == (0, 2)
 
 
 def hermite_frequencies(spread, elements=100):
@@ -137,7 +198,11 @@ def test_means_of_a_profile_are_its_integrals(rng):
     for mean, a, b in zip(profile.means(edges), edges[:-1], edges[1:], strict=True):
         corners = np.unique(np.clip(np.concatenate(([a, b], s)), a, b))
         assert mean == pytest.approx(np.trapezoid(profile(corners), corners) / (b - a), rel=1e-12)
-    assert np.all(Profile.of(0.3).means(edges) == 0.3)
+    np.testing.assert_array_equal(Profile.of(0.3).means(edges), [0.3] * 7)
+    # Whole pieces and parts of them, edges at corners and at both ends.
+    table = Profile.of([[0, 1.0], [0.5, 3.0], [1.0, 0.0]])
+    np.testing.assert_allclose(table.means(np.array([0.0, 0.25, 0.5, 1.0])), [1.5, 2.5, 1.5], rtol=1e-15)
+    assert table.mean == 1.75
 
 
 @pytest.mark.parametrize("settings", [("wing.modes=0", "wing.pivot=0.3"), ("wing.modes=2",)])
