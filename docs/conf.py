@@ -21,6 +21,7 @@ HERE = Path(__file__).parent
 GENERATED = HERE / "generated"
 COMMANDS = (
     "", "simulate", "sweep", "converge", "optimise", "init", "view", "info", "plot", "export", "validate", "reproduce",
+    "schema", "cite",
 )  # fmt: skip
 
 project = "taichiflap"

@@ -205,7 +205,7 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Case:
     except OSError as error:
         raise CaseError(str(path), [f"cannot be read: {error.strerror}"]) from None
     except UnicodeDecodeError:
-        raise CaseError(str(path), ["not a text file in UTF-8"]) from None
+        raise CaseError(str(path), [_no_text(path)]) from None
     except tomllib.TOMLDecodeError as error:
         raise CaseError(str(path), [f"not valid TOML: {error}"]) from None
     except RecursionError:
@@ -292,6 +292,13 @@ def _place(document: dict[str, Any], key: str, value: Any) -> str:
 
 def _copy(document: Mapping[str, Any]) -> dict[str, Any]:
     return {key: _copy(value) if isinstance(value, Mapping) else value for key, value in document.items()}
+
+
+def _no_text(path: Path) -> str:
+    with path.open("rb") as file:
+        if file.read(4) == b"\x89HDF":
+            return "a result or a map, not a case file; taichiflap info shows what is in it"
+    return "not a text file in UTF-8"
 
 
 def _nearest_file(path: Path) -> str:

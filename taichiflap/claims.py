@@ -37,6 +37,8 @@ def check(path: Path, overwrite: bool) -> None:
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass
+    except (FileNotFoundError, NotADirectoryError):
+        raise ResultError(f"{path}: cannot be created: {path.parent} is not a folder") from None
     except OSError as error:
         raise ResultError(f"{path}: cannot be created: {first_line(error)}") from None
 

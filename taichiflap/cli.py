@@ -2,6 +2,7 @@
 
 import shlex
 import sys
+from collections.abc import Collection
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,7 +11,7 @@ import typer
 
 from .commands import studies
 from .commands.interrupts import heard, interruptible
-from .commands.options import CaseFile, Settings
+from .commands.options import CaseFile, Settings, Threads
 from .errors import UserError
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def simulate(
         Path | None, typer.Option("-o", "--output", help="result file  [default: the case's name .h5, here]")
     ] = None,
     settings: Settings = None,
-    threads: Annotated[int | None, typer.Option(min=1, help="threads to use  [default: all]")] = None,
+    threads: Threads = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="replace an existing result, or what an interrupted run has left")
     ] = False,
@@ -69,10 +70,14 @@ def simulate(
     """Compute a case and write its result file."""
     from . import plausible
     from .case import load_case
+    from .results import part
 
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}.h5")
-    for warning in plausible.warnings(case):
+    if resume and not path.exists() and not part(path).exists():
+        print(f"{path}: there is no run to resume; this one begins at the start", file=sys.stderr)
+    warnings = plausible.warnings(case)
+    for warning in warnings:
         print(f"warning: {warning}", file=sys.stderr)
     with _viewing(path) if view else nullcontext():
         again = ["taichiflap", "simulate", str(case_file), *(f"--set={setting}" for setting in settings or ())]
@@ -83,8 +88,8 @@ def simulate(
         ):
             result = _simulate_with_progress(case, path, threads, overwrite, resume)
         with result:
-            _print_summary(result)
             failed = result.status == "failed"
+            _print_summary(result, [*warnings, str(result.attributes.get("reason"))])
             if failed:
                 print(f"error: {path}: {result.attributes['reason']}", file=sys.stderr)
     # After the viewer, which shows the frames until the failure.
@@ -92,14 +97,15 @@ def simulate(
         raise typer.Exit(1)
 
 
-@app.command()
+@app.command(short_help="Show a result or a map in the browser.")
 def view(
     files: Annotated[list[Path], typer.Argument(help="a result file, two to compare, or a map", show_default=False)],
     host: Annotated[
-        str, typer.Option(help="address to listen at; this machine only, unless told otherwise")
+        str, typer.Option(metavar="ADDRESS", help="where to listen; this machine only, unless told otherwise")
     ] = "127.0.0.1",
     port: Annotated[
-        int, typer.Option(min=1, max=65535, help="port to listen at; a taken one gives way to the next")
+        int,
+        typer.Option(min=1, max=65535, metavar="N", help="port to listen at; a taken one gives way to the next"),
     ] = 8080,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open a browser")] = True,
 ) -> None:
@@ -125,7 +131,7 @@ def info(file: Annotated[Path, typer.Argument(help="result file, or map", show_d
         _print_summary(result)
 
 
-@app.command()
+@app.command(short_help="Draw figures for print of a result, two, or a map.")
 def plot(
     file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)],
     other: Annotated[Path | None, typer.Argument(help="a second one, to compare", show_default=False)] = None,
@@ -156,7 +162,7 @@ def plot(
             print(f"{path} written")
 
 
-@app.command()
+@app.command(short_help="Write a result as table, for ParaView, or as film.")
 def export(
     file: Annotated[Path, typer.Argument(help="result file", show_default=False)],
     to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4 or gif")],
@@ -164,7 +170,7 @@ def export(
         Path | None, typer.Option("-o", "--output", help="file, or folder  [default: the result's name, here]")
     ] = None,
     beats: Annotated[
-        int | None, typer.Option(help="last beats to show  [default: 4 in html, 2 in mp4, 1 in gif]")
+        int | None, typer.Option(metavar="N", help="last beats to show  [default: 4 in html, 2 in mp4, 1 in gif]")
     ] = None,
     dark: Annotated[bool, typer.Option("--dark", help="a film on a dark ground")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
@@ -204,7 +210,7 @@ def init(
     print(f"{file} written; edit it, then run: taichiflap simulate {file}")
 
 
-@app.command()
+@app.command(short_help="Hold the solver against exact solutions.")
 def validate(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="folder for a report with figures  [default: none]")
@@ -229,7 +235,7 @@ def validate(
         raise typer.Exit(1)
 
 
-@app.command()
+@app.command(short_help="Redo the paper, number by number.")
 def reproduce(
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the report, figures and data")] = Path(
         "reproduction"
@@ -247,8 +253,8 @@ def reproduce(
 
 
 app.command()(studies.sweep)
-app.command()(studies.converge)
-app.command()(studies.optimise)
+app.command(short_help="Find how fine is fine enough.")(studies.converge)
+app.command(short_help="Search ranges of keys for the best case.")(studies.optimise)
 
 
 @app.command()
@@ -261,7 +267,7 @@ def schema() -> None:
     print(json.dumps(case_schema(), indent=2))
 
 
-@app.command()
+@app.command(short_help="Print how to cite taichiflap, as BibTeX.")
 def cite() -> None:
     """Print how to cite taichiflap, and the paper it starts from, as BibTeX."""
     from .citation import BIBTEX
@@ -293,7 +299,7 @@ def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overw
         return run(case, path, threads=threads, progress=progress, overwrite=overwrite, resume=resume)
 
 
-def _print_summary(result: Any) -> None:
+def _print_summary(result: Any, said: Collection[str] = ()) -> None:
     from .report import summary_lines
 
-    print("\n".join(summary_lines(result)))
+    print("\n".join(summary_lines(result, said)), flush=True)

@@ -12,6 +12,8 @@ import numpy as np
 from .case import Case, read_value
 from .errors import UserError
 
+EDGE = 0.02
+"""Share of a range that counts as its edge."""
 MOST_CASES = 10_000_000
 """Cases of one design: their metrics alone are gigabytes."""
 
@@ -205,6 +207,14 @@ class Spread:
         if len(set(values)) < len(values):
             raise DesignError(f"{self.label}: more values than there are whole numbers in the range")
         return values
+
+    def at_edge(self, value: Value) -> bool:
+        """Whether a value is as good as at an end of the range; a list has none."""
+        if self.listed:
+            return False
+        scale = math.log if self.log else float
+        low, here, high = (scale(float(one)) for one in (self.low, value, self.high))
+        return min(abs(here - low), abs(high - here)) <= EDGE * abs(high - low)
 
     def at(self, unit: np.ndarray) -> tuple[Value, ...]:
         """The values at points of the unit interval, shape (points,)."""

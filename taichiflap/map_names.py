@@ -1,7 +1,5 @@
 """What a map's keys and metrics are called in pictures, and the units that they are drawn in."""
 
-from typing import Any
-
 import numpy as np
 
 from .design import Axis
@@ -44,11 +42,6 @@ def factor_of(sheet: Map, name: str) -> float:
 def label(name: str) -> str:
     """A key or a metric in words."""
     return LABELS.get(name, name if "." in name else name.replace("_", " "))
-
-
-def short(value: Any) -> str:
-    """A value in four digits."""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def is_log(axis: Axis) -> bool:

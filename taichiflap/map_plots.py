@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from . import outputs, palette
 from .design import Axis
-from .map_names import LIFT, METRICS, POWER, factor_of, is_log, label, named, short
+from .map_names import LIFT, METRICS, POWER, factor_of, is_log, label, named
 from .maps import Map, MapError
+from .notation import short
 from .pareto import pareto_front
 from .plots import FORMATS, RESOLUTION, STYLE, WIDTH
 
@@ -50,6 +52,8 @@ def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False) -> list[
             figures["scatter"] = scatter(sheet, metrics)
         if LIFT in sheet.metrics and POWER in sheet.metrics:
             figures["pareto"] = pareto(sheet)
+        for figure in figures.values():
+            figure.suptitle(sheet.title, fontsize=8, x=0.01, ha="left")
     return _write(figures, stem, overwrite)
 
 
@@ -57,7 +61,7 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
     """Write `STEM.png` and `STEM.svg`: every metric against every key, as its deviation from the finest value."""
     keys = list(dict.fromkeys(trial.key for trial in found.trials))
     with mpl.rc_context(STYLE):
-        figure = Figure((WIDTH, 2.4), layout="constrained")
+        figure = Figure((WIDTH, 2.6), layout="constrained")
         axes = figure.subplots(1, len(keys), sharey=True, squeeze=False)[0]
         for ax, key in zip(axes, keys, strict=True):
             trials = [trial for trial in found.trials if trial.key == key]
@@ -71,11 +75,13 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
                 ax.set_xscale("log", base=2)
             ax.set_xticks(values, [str(value) for value in values], rotation=45 if len(values) > 4 else 0)
             ax.minorticks_off()
-            ax.axhspan(-100.0 * found.tolerance, 100.0 * found.tolerance, color=palette.LIGHT.faint, zorder=0)
-            ax.axvline(found.accepted[key], color=palette.LIGHT.force, linewidth=0.8, linestyle="--")
+            share = 100.0 * found.tolerance
+            ax.axhspan(-share, share, color=palette.LIGHT.faint, zorder=0, label=f"within {share:g} %")
+            taken = found.accepted[key]
+            ax.axvline(taken, color=palette.LIGHT.force, linewidth=0.8, linestyle="--", label="fine enough")
             ax.set_xlabel(key)
         axes[0].set_ylabel("Deviation from the finest (%)")
-        axes[-1].legend(loc="best")
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(names) + 2)
     return _write({"": figure}, stem, overwrite=True)
 
 
@@ -99,7 +105,9 @@ def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
             if low < high and np.isfinite(field).any():
                 levels = MaxNLocator(CONTOURS).tick_values(low, high)
                 drawn = ax.contour(*_middles(x, y, sheet), field, levels, colors="white", linewidths=0.5)
-                ax.clabel(drawn, fontsize=6)
+                for text in ax.clabel(drawn, fontsize=6):
+                    # Readable on the bright end of the colours too.
+                    text.set_path_effects([withStroke(linewidth=1.2, foreground="#00000080")])
             _scale_axes(ax, x, y)
             if ax in grid[0]:
                 ax.set_title(title, fontsize=8)
@@ -159,7 +167,15 @@ def pareto(sheet: Map) -> Figure:
     for colour, mark, (title, numbers) in zip(_colours(len(groups)), MARKS * len(groups), groups.items(), strict=False):
         ax.plot(power[numbers], lift[numbers], mark, color=colour, markersize=2, alpha=0.35, markeredgewidth=0)
         front = numbers[pareto_front(power[numbers], lift[numbers])]
-        ax.plot(power[front], lift[front], mark + "-", color=colour, markersize=3, linewidth=1, label=title or "front")
+        ax.plot(
+            power[front],
+            lift[front],
+            mark + "-",
+            color=colour,
+            markersize=3,
+            linewidth=1,
+            label=title or "Pareto front",
+        )
     ax.set_xlabel("Mean power (mW)")
     ax.set_ylabel("Mean vertical force (mN)")
     ax.legend()

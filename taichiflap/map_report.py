@@ -6,9 +6,9 @@ import numpy as np
 
 from .design import Axis, Design
 from .maps import Map
+from .notation import short
 from .outcome import COMPLETE, FAILED
 
-LABEL = 24
 SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
 """Metrics whose range is printed."""
 REASONS = 3
@@ -17,27 +17,37 @@ REASONS = 3
 
 def map_lines(sheet: Map) -> Iterator[str]:
     """Lines of text that summarise a map, complete or not."""
-    design, status = sheet.design, sheet.status
     yield sheet.title or "(no title)"
+    lines = list(_labelled(sheet))
+    width = max(len(label) for label, _ in lines)
+    yield from (f"  {label:<{width}}  {text}" for label, text in lines)
+
+
+def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
+    design, status = sheet.design, sheet.status
     counts = f"{np.sum(status == COMPLETE):,} complete, {np.sum(status == FAILED):,} failed"
-    yield _line("file", f"{sheet.path or 'in memory'}, {design.size:,} cases: {counts}")
+    yield "file", f"{sheet.path or 'in memory'}, {design.size:,} cases: {counts}"
     for axis in design.axes:
-        yield _line(axis.key, _range(axis, design, sheet.units(axis.key)))
+        yield axis.key, _range(axis, design, sheet.units(axis.key))
     for name in SHOWN:
         if name in sheet.metrics:
             yield from _extremes(sheet, name)
     failed = np.flatnonzero(status == FAILED)[:REASONS].tolist()
     for number, outcome in zip(failed, sheet.outcomes(failed), strict=True):
-        yield _line("failed", f"{', '.join(design.settings(number))}: {outcome and outcome.reason}")
+        yield "failed", f"{', '.join(design.settings(number))}: {outcome and outcome.reason}"
 
 
-def _extremes(sheet: Map, name: str) -> Iterator[str]:
+def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:
     values = sheet.values(name).ravel()
     if np.isnan(values).all():
         return
     for word, number in (("least", int(np.nanargmin(values))), ("most", int(np.nanargmax(values)))):
-        where = ", ".join(sheet.design.settings(number))
-        yield _line(name if word == "least" else "", f"{word} {values[number]:.4g} {sheet.units(name)} at {where}")
+        found = f"{values[number]:.4g} {sheet.units(name)}"
+        yield name if word == "least" else "", f"{word:<5} {found} at {_where(sheet.design, number)}"
+
+
+def _where(design: Design, number: int) -> str:
+    return ", ".join(f"{key} = {short(value)}" for key, value in design.point(number).items())
 
 
 def _range(axis: Axis, design: Design, units: str) -> str:
@@ -45,8 +55,4 @@ def _range(axis: Axis, design: Design, units: str) -> str:
     if not axis.numeric:
         return ", ".join(map(str, dict.fromkeys(axis.values)))
     low, high = min(axis.values), max(axis.values)
-    return f"{low:g} to {high:g} {units}, {count:,} values"
-
-
-def _line(label: str, text: str) -> str:
-    return f"  {label:<{LABEL - 2}}  {text}"
+    return f"{short(low)} to {short(high)}{f' {units}' if units else ''}, {count:,} values"

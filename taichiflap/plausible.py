@@ -27,12 +27,14 @@ BENT = 0.3
 """Tip deflection, in chords, at which a load on the tip of a real beam bends it a tenth less than a linear one."""
 ATTACHED = 20.0
 """Degrees that a flow to a sharp edge stays attached at, even for a moment."""
+LONGER = 2.0
+"""A table of a motion that lasts so many times as long as the run is hardly meant."""
 TIMES = 2048
 
 
 def warnings(case: Case) -> list[str]:
     """What is implausible about a case, one sentence each; an empty list when nothing is."""
-    found = [*_of_mass(case), *_of_speed(case)]
+    found = [*_of_mass(case), *_of_speed(case), *_of_tables(case)]
     first = beam.modes(case.wing).frequency[:1]
     flapping = case.motion.frequency
     if first.size and flapping and first[0] < flapping:
@@ -64,7 +66,7 @@ def outcome(case: Case, tip_deflection: NDArray[np.float64]) -> list[str]:
         if angle > ATTACHED:
             found.append(
                 f"the flow meets the chord at {angle:.0f} deg where it is fast: beyond some {ATTACHED:g} deg "
-                "it separates at the leading edge, of which uvlm knows nothing"
+                "it separates at the leading edge, of which UVLM knows nothing"
             )
     return found
 
@@ -99,6 +101,16 @@ def _of_speed(case: Case) -> Iterator[str]:
             f"the Reynolds number is about {reynolds:.2g} if the fluid is {fluid}; wings and fins have "
             f"{REYNOLDS[0]:g} to {REYNOLDS[1]:g}: check wing.chord, motion.frequency and the amplitudes"
         )
+
+
+def _of_tables(case: Case) -> Iterator[str]:
+    for name, travel in (("plunge", case.motion.plunge), ("pitch", case.motion.pitch)):
+        points = travel.in_si().get("points")
+        if points and not travel.repeats and points[-1][0] > LONGER * case.duration:
+            yield (
+                f"motion.{name} is a table that goes on to {points[-1][0]:g} s, but the run ends at "
+                f"{case.duration:g} s: check that its times are in seconds"
+            )
 
 
 def _last_beat(case: Case) -> NDArray[np.float64]:

@@ -13,8 +13,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from . import outputs, palette, scene
-from .metrics import reversals
+from .metrics import reversals, summarise
 from .motion import PLUNGE_RATE, sample
+from .notation import prefixed
 from .results import Result
 
 WIDTH = 7.1
@@ -106,8 +107,7 @@ def summary(results: Sequence[Result]) -> Figure:
                 for variable, (_, line) in zip(series, STYLES, strict=False):
                     width = 1.3 if line == "-" else 1.0
                     ax.plot(turns, 1e3 * getattr(result, variable)[frames], line, color=colour, linewidth=width)
-            mean = 1e3 * float(np.mean(result.force_vertical[frames[1:]]))
-            name = f"{names[number]} ({result.case.model}, mean vertical force {mean:.2f} mN)"
+            name = f"{names[number]} ({result.case.model}{_mean_force(result)})"
             handles.append(Line2D([], [], color=colour, label=name))
         for letter, ax, (label, series) in zip("abcd", axes, PANELS, strict=True):
             _shade(ax, results[0], length)
@@ -183,6 +183,15 @@ def _names(results: Sequence[Result]) -> list[str]:
     if len(set(names)) == len(names):
         return names
     return [f"{name}, {outputs.place(result, None)}" for name, result in zip(names, results, strict=True)]
+
+
+def _mean_force(result: Result) -> str:
+    """The mean vertical force as `info` gives it, over the settled beats; nothing of a run that failed."""
+    settled = summarise(result) if result.status != "failed" else None
+    if settled is None:
+        return ""
+    factor, unit = prefixed(settled.force_vertical.mean, "N")
+    return f", mean vertical force {factor * settled.force_vertical.mean:.3g} {unit}"
 
 
 def _shade(ax: Any, result: Result, length: float) -> None:

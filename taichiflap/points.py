@@ -47,10 +47,11 @@ def with_points(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def read_points(path: Path, column: int) -> list[list[float]]:
     """Rows `[time, value]` from columns 1 and `column` of a file of numbers.
 
-    Numbers stand between commas, semicolons or spaces. A `#` begins a comment, and one line of names may come first.
+    Numbers stand between commas, semicolons or spaces; between semicolons they may have decimal commas. A `#` begins
+    a comment, and one line of names may come first.
 
     Raises:
-        PointsError: when the file cannot be read or a line does not hold the numbers.
+        PointsError: when the file cannot be read, a line does not hold the numbers, or lines differ in their columns.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -62,8 +63,10 @@ def read_points(path: Path, column: int) -> list[list[float]]:
         raise PointsError("not a text file in UTF-8") from None
     points: list[list[float]] = []
     named = False
+    columns = 0
     for number, line in enumerate(lines, 1):
-        cells = SEPARATOR.split(line.partition("#")[0].strip())
+        text = line.partition("#")[0].strip()
+        cells = SEPARATOR.split(text.replace(",", ".") if ";" in text else text)
         if cells == [""]:
             continue
         try:
@@ -74,4 +77,8 @@ def read_points(path: Path, column: int) -> list[list[float]]:
             if points or named:
                 raise PointsError(f"line {number} holds no numbers: {line.strip()[:40]}") from None
             named = True
+            continue
+        columns = columns or len(cells)
+        if len(cells) != columns:
+            raise PointsError(f"line {number} has {len(cells)} columns, the first has {columns}: {line.strip()[:40]}")
     return points

@@ -9,6 +9,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from .notation import engineering
+
 Keys = list[str | int]
 
 
@@ -183,7 +185,7 @@ def _shown(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, str):
         return f'"{value}"' if len(value) <= 60 else f'"{value[:57]}..."'
-    text = str(_listed(value))
+    text = engineering(value) if isinstance(value, float) else str(_listed(value))
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -8,6 +8,7 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from .case import Case, case_schema
+from .notation import engineering
 from .problems import first_line, sections
 
 COMMENT_COLUMN = 34
@@ -84,5 +85,5 @@ def _toml(value: Any) -> str:
     if isinstance(value, tuple | list):
         return f"[{', '.join(_toml(item) for item in value)}]"
     if isinstance(value, float):
-        return f"{value:.12g}" if value != int(value) or abs(value) >= 1e6 else repr(value)
+        return engineering(value)
     return tomli_w.dumps({"v": value}).partition("= ")[2].strip()

@@ -23,7 +23,7 @@ BAD = [
     ("motion.plunge.fase=5", ["motion.plunge.fase: unknown key", "amplitude, phase_deg"]),
     ("wing.chord=-0.02", ["wing.chord = -0.02", "> 0", "m"]),
     ("wing.chord=0", ["wing.chord = 0", "> 0"]),
-    ("wing.chord=1e9", ["wing.chord = 1000000000.0", "<= 100"]),
+    ("wing.chord=1e9", ["wing.chord = 1e9", "<= 100"]),
     ("wing.chord=nan", ["wing.chord = nan", "number"]),
     ("wing.span=inf", ["wing.span = inf", "number"]),
     ('wing.chord="0.02"', ['wing.chord = "0.02"', "a number"]),
@@ -137,7 +137,7 @@ def test_a_missing_key_is_named_with_an_example(key):
             {"chord": 0.02, "span": 0.05, "mass_per_length": 2e-3, "flexural_rigidity": 1e-6, "density": 1e3},
             ["density = 1000.0: give either thickness, density and youngs_modulus, or mass_per_length and"],
         ),
-        ({"chord": 0.02, "span": 0.05, "flexural_rigidity": 1e-6}, ["flexural_rigidity = 1e-06: needs mass_per_len"]),
+        ({"chord": 0.02, "span": 0.05, "flexural_rigidity": 1e-6}, ["flexural_rigidity = 1e-6: needs mass_per_len"]),
     ],
 )
 def test_a_wing_is_of_a_material_or_measured(wing, problems):
@@ -272,6 +272,10 @@ def test_the_template_is_a_valid_case_that_names_every_key():
         ("fluid.velocity=[40.0, 100.0]", "moves through the fluid at 108 m/s, but air is compressed at such speeds"),
         ("motion.frequency=0.2", "the Reynolds number is about 24 if the fluid is air"),
         ("fluid.density=998.0", "0.0026 times the fluid that moves with it"),
+        (
+            'motion.plunge={kind="table", points=[[0, 0], [10, 0.02], [30, -0.02], [40, 0]]}',
+            "motion.plunge is a table that goes on to 40 s, but the run ends at 0.6 s",
+        ),
     ],
 )
 def test_implausible_cases_are_warned_about(setting, phrase):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -47,6 +48,8 @@ def test_info_prints_the_same_summary(folder):
     ran = run("info", "hawkmoth.h5", cwd=folder)
     assert ran.returncode == 0
     assert ran.stdout == (folder / "printed").read_text()
+    given = run("simulate", "hawkmoth.h5", cwd=folder).stderr
+    assert "hawkmoth.h5: a result or a map, not a case file" in given
     for phrase in (
         "vertical force",
         "peak tip deflection",
@@ -78,7 +81,7 @@ def test_settings_change_the_case(tmp_path):
             ["did you mean wing.chord?", "uvlm.panels = 0: must be a whole number >= 1"],
         ),
         (("simulate", CASES / "hawkmoth.toml", "-o", "."), ["is a directory"]),
-        (("simulate", CASES / "hawkmoth.toml", "-o", "no/such/folder.h5"), ["cannot be created"]),
+        (("simulate", CASES / "hawkmoth.toml", "-o", "no/such/folder.h5"), ["no/such is not a folder"]),
         (("info", "absent.h5"), ["absent.h5: no such file"]),
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.chrod=1:2:3"), ["did you mean wing.chord?"]),
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.modes=0,1", "--metric", "lift"), ["metric lift: unknown"]),
@@ -111,7 +114,12 @@ def test_a_diverging_run_ends_with_code_1_and_its_frames(tmp_path):
     ran = run("simulate", CASES / "hawkmoth_dbet.toml", *settings, cwd=tmp_path)
     assert ran.returncode == 1
     assert "at step" in ran.stderr
-    assert "warning: the first natural frequency" in ran.stderr
+    assert ran.stderr.count("warning: the first natural frequency") == 1
+    assert "the run failed: no statistics" in ran.stdout
+    assert "beat to beat" not in ran.stdout
+    assert not re.search("warning: the first natural|runs? away", ran.stdout)  # that has been said
+    told = run("info", "hawkmoth_dbet.h5", cwd=tmp_path).stdout.splitlines()
+    assert any(line.startswith("failed: ") for line in told)
     assert (tmp_path / "hawkmoth_dbet.h5").exists()
 
 

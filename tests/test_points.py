@@ -22,6 +22,12 @@ def test_columns_of_numbers_are_read(separator, head, tmp_path):
     assert read_points(file, 3) == [[row[0], row[2]] for row in ROWS]
 
 
+def test_between_semicolons_a_comma_is_a_decimal_point(tmp_path):
+    file = tmp_path / "stroke.csv"
+    file.write_text("Zeit;Hub\n0;0\n0,25; 0,01\n0,5;-1,5e-3\n")
+    assert read_points(file, 2) == [[0.0, 0.0], [0.25, 0.01], [0.5, -0.0015]]
+
+
 def test_the_points_of_a_file_beside_the_case_end_up_in_the_result(tmp_path):
     (tmp_path / "stroke.csv").write_text("\n".join(f"{t},{z}" for t, z, _ in ROWS))
     table = "plunge = { kind = 'table', periodic = true, file = 'stroke.csv' }"
@@ -48,6 +54,7 @@ def test_the_points_of_a_file_beside_the_case_end_up_in_the_result(tmp_path):
         (None, 2, "no such file"),
         (b"0 1\n1 2\n2 3\n3 4\n", 3, "line 1 has no column 3"),
         (b"0 1\n1 b\n", 2, "line 2 holds no numbers"),
+        (b"t,z\n0,0\n0,5,0,01\n1,0\n", 2, "line 3 has 4 columns, the first has 2"),
         (b"\xff\xfe", 2, "not a text file"),
         (b"0 1\n1 2\n", 2, "has 2 points"),
         (b"0 1\n1 2\n1 3\n2 3\n", 2, "times must rise"),

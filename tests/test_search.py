@@ -84,12 +84,16 @@ def test_the_optimum_of_a_bowl_is_its_bottom_or_the_edge_of_what_is_allowed(monk
     best = optimise(hawkmoth(*SHORT), RANGES, minimise="power_mean", population=16)
     assert best.holds
     assert best.value == pytest.approx(1.0, abs=1e-3)
+    assert best.at_edge == []
     assert best == optimise(hawkmoth(*SHORT), RANGES, minimise="power_mean", population=16)
     limited = optimise(
         hawkmoth(*SHORT), RANGES, maximise="-power_mean", subject_to=["vertical_force_mean >= 30"], population=16
     )
     assert limited.holds
     assert limited.value == pytest.approx(-1.25, abs=5e-3)
+    narrow = {**RANGES, "motion.pitch.amplitude_deg": "5:15"}
+    edged = optimise(hawkmoth(*SHORT), narrow, minimise="power_mean", population=16)
+    assert edged.at_edge == ["motion.pitch.amplitude_deg"]
     impossible = optimise(
         hawkmoth(*SHORT), RANGES, minimise="power_mean", subject_to=["power_mean <= 0.5"], population=8, generations=5
     )

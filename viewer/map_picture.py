@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taichiflap.design import Axis
-from taichiflap.map_names import LIFT, METRICS, POWER, factor_of, is_log, short
+from taichiflap.map_names import LIFT, METRICS, POWER, factor_of, is_log
 from taichiflap.maps import Map
+from taichiflap.notation import short
 from taichiflap.pareto import pareto_front
 
 MOST_TICKS = 6

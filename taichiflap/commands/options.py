@@ -10,7 +10,7 @@ Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="change a key of the case file; may be repeated"),
 ]
-Threads = Annotated[int | None, typer.Option(min=1, help="threads to use  [default: all]")]
+Threads = Annotated[int | None, typer.Option(min=1, metavar="N", help="threads to use  [default: all]")]
 Vary = Annotated[
     list[str],
     typer.Option(
@@ -19,9 +19,17 @@ Vary = Annotated[
         help="a key of the case file and its values; may be repeated. With --sample, a range a:b or a:b:log",
     ),
 ]
+Range = Annotated[
+    list[str],
+    typer.Option(
+        "--vary",
+        metavar="KEY=a:b[:log]|v1,v2,...",
+        help="a key of the case file, and the range or the values to choose from; may be repeated",
+    ),
+]
 Cluster = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS|local:N", help="run on a Dask scheduler, or on N worker processes here"),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace the file of another study")]
-Seed = Annotated[int, typer.Option(min=0, help="seed of the random choices")]
+Seed = Annotated[int, typer.Option(min=0, metavar="N", help="seed of the random choices")]

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from .interrupts import heard, interruptible
-from .options import CaseFile, Cluster, Overwrite, Seed, Settings, Threads, Vary
+from .options import CaseFile, Cluster, Overwrite, Range, Seed, Settings, Threads, Vary
 
 
 def sweep(
@@ -51,7 +51,7 @@ def sweep(
 
 def converge(
     case_file: CaseFile,
-    tolerance: Annotated[str, typer.Option(help="largest change of a metric that is allowed, such as 1%")] = "1%",
+    tolerance: Annotated[str, typer.Option(metavar="SHARE", help="largest change of a metric that is allowed")] = "1%",
     metric: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="hold this metric; may be repeated  [default: vertical force, power, tip]"),
@@ -80,6 +80,7 @@ def converge(
         )  # fmt: skip
     for figure in map_plots.convergence(found, path.with_suffix("")):
         print(f"{figure} written")
+    print(f"all cases are in {path}")
     print("\n".join(study.verdict(found)))
     if found.open:
         raise typer.Exit(1)
@@ -87,7 +88,7 @@ def converge(
 
 def optimise(
     case_file: CaseFile,
-    vary: Vary,
+    vary: Range,
     maximise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to make large")] = None,
     minimise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to make small")] = None,
     subject_to: Annotated[
@@ -96,8 +97,8 @@ def optimise(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="map of the search  [default: the case's name -optimum.h5]")
     ] = None,
-    generations: Annotated[int, typer.Option(min=1, help="generations at most")] = 40,
-    population: Annotated[int, typer.Option(min=5, help="cases in a generation")] = 32,
+    generations: Annotated[int, typer.Option(min=1, metavar="N", help="generations at most")] = 40,
+    population: Annotated[int, typer.Option(min=5, metavar="N", help="cases in a generation")] = 32,
     seed: Seed = 0,
     settings: Settings = None,
     cluster: Cluster = None,

@@ -13,7 +13,7 @@ from pathlib import Path
 from ..case import Case
 from ..errors import UserError
 from .ledger import Ledger, Point
-from .quantities import choose
+from .quantities import QUANTITIES, choose
 
 METRICS = ("force_vertical_mean", "power_mean", "tip_peak_mean")
 REFINEMENTS = 5
@@ -199,13 +199,15 @@ def _share(first: float, second: float) -> float:
 
 def line(trial: Trial) -> str:
     """A trial as a row of the table."""
-    values = "".join(f"  {name} {value:.6g}" for name, value in trial.metrics.items())
+    values = "".join(f"  {name} {value:.6g} {QUANTITIES[name].units}" for name, value in trial.metrics.items())
     change = "" if trial.change != trial.change else f"  changed by {100.0 * trial.change:.3g} %"
     return f"{trial.key:<22}{trial.value:>8}{values}{change}"
 
 
 def verdict(found: Convergence) -> list[str]:
     """What was found, in lines."""
-    lines = [f"NOT within {100.0 * found.tolerance:g} % at its finest: {key}" for key in found.open]
-    lines.append(f"lattice and time step refined once more together: {100.0 * found.together:.3g} %")
+    tolerance = f"{100.0 * found.tolerance:g} %"
+    lines = [f"NOT within {tolerance} at its finest: {key}" for key in found.open]
+    lines.append(f"lattice and time step refined once more together: changed by {100.0 * found.together:.3g} %")
+    lines.append(f"fine enough for {tolerance}, {'but for what is named above' if found.open else 'in every key'}:")
     return [*lines, " ".join(f"--set {setting}" for setting in found.settings)]

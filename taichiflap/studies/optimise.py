@@ -9,6 +9,7 @@ import numpy as np
 
 from ..case import Case
 from ..design import Axis, Design, DesignError, Spread, Value
+from ..notation import short
 from .expression import Expression, read_constraint, read_expression
 from .ledger import Ledger
 from .quantities import QUANTITIES
@@ -27,20 +28,27 @@ class Optimum:
     """The best case found.
 
     Attributes:
-        settings: what makes the base case into it, as `--set` takes it.
+        point: its values, by key.
         value: of the objective.
         metrics: all of its metrics.
         holds: whether it meets every condition.
         evaluations: how many cases the search looked at.
+        at_edge: the keys whose value is at an edge of its range, so that a better case may lie beyond.
         converged: whether the population came together before the last generation.
     """
 
-    settings: list[str]
+    point: dict[str, Value]
     value: float
     metrics: dict[str, float]
     holds: bool
     evaluations: int
+    at_edge: list[str]
     converged: bool = False
+
+    @property
+    def settings(self) -> list[str]:
+        """What makes the base case into it, as `--set` takes it."""
+        return [f"{key}={value}" for key, value in self.point.items()]
 
 
 class _Search:
@@ -78,8 +86,9 @@ class _Search:
         ranked = sorted(self.seen.items(), key=lambda item: (-min(item[1][1], 0.0), item[1][0]))
         for point, (cost, margin, metrics) in ranked:
             if metrics:
-                settings = [f"{key}={value}" for key, value in zip(self.spreads, point, strict=True)]
-                return Optimum(settings, self.sign * cost, metrics, margin >= 0.0, len(self.seen))
+                values = dict(zip(self.spreads, point, strict=True))
+                edge = [key for key, value in values.items() if self.spreads[key].at_edge(value)]
+                return Optimum(values, self.sign * cost, metrics, margin >= 0.0, len(self.seen), edge)
         return None
 
 
@@ -178,7 +187,8 @@ def line(best: Optimum | None) -> str:
     """The best case so far, in a line."""
     if best is None:
         return "no case came to its end"
-    return f"{best.value:.6g}{'' if best.holds else ' (conditions not met)'}  {_options(best)}"
+    where = ", ".join(f"{key} = {short(value)}" for key, value in best.point.items())
+    return f"{best.value:.6g}{'' if best.holds else ' (conditions not met)'} at {where}"
 
 
 def verdict(best: Optimum | None, path: Path) -> list[str]:
@@ -191,6 +201,10 @@ def verdict(best: Optimum | None, path: Path) -> list[str]:
         f"{best.evaluations} cases looked at, {stopped}; all of them are in {path}",
         f"{'best case' if best.holds else 'NO CASE MEETS THE CONDITIONS; the closest'}: {best.value:.6g}",
         *shown,
+        *(
+            f"{key} = {short(best.point[key])} is at the edge of its range: better may lie beyond"
+            for key in best.at_edge
+        ),
         _options(best),
     ]
 

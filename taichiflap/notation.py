@@ -1,0 +1,32 @@
+"""How numbers are written for people: engineering notation, and thousandths or millionths of a unit."""
+
+from decimal import Decimal
+from typing import Any
+
+PREFIXES = ((1e4, 1e-3, "k"), (10.0, 1.0, ""), (1e-4, 1e3, "m"), (1e-7, 1e6, "µ"), (0.0, 1e9, "n"))
+"""The least size in a unit that has a prefix, the factor to it, and the prefix. Thousandths reach far: of newtons,
+watts and metres they are what an insect's wing is measured in."""
+
+
+def prefixed(size: float, unit: str) -> tuple[float, str]:
+    """Factor and name of the multiple of a unit that suits quantities up to `size`: 0.03 N are shown in mN.
+
+    What is nothing, or not finite, is shown in thousandths too.
+    """
+    if not 0.0 < abs(size) < float("inf"):
+        return 1e3, f"m{unit}"
+    return next((factor, prefix + unit) for least, factor, prefix in PREFIXES if abs(size) >= least)
+
+
+def engineering(value: float) -> str:
+    """A number with an exponent in threes where it is large or small, such as 24.5e9; it reads back as the same."""
+    if value == 0.0 or 1e-3 <= abs(value) < 1e6 or not abs(value) < float("inf"):
+        return f"{value}"
+    digits = Decimal(repr(value))
+    exponent = 3 * (digits.adjusted() // 3)
+    return f"{digits.scaleb(-exponent).normalize():f}e{exponent}"
+
+
+def short(value: Any) -> str:
+    """A number in four digits, and anything else as it is."""
+    return engineering(float(f"{value:.4g}")).removesuffix(".0") if isinstance(value, float) else str(value)
