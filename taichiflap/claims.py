@@ -7,6 +7,7 @@ from typing import Any
 
 import h5py
 
+from . import intact
 from ._version import __version__
 from .case import Case
 from .results import Result, ResultError, first_line, open_result, part
@@ -74,7 +75,7 @@ def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> Any:
 
 def _check_same(file: Any, path: Path, case: Case) -> None:
     for name, ours in {"case": case.to_toml(), "source": f"taichiflap {__version__}"}.items():
-        theirs = file.attrs.get(name)
+        theirs = intact.attribute(file, name)
         if theirs != ours:
             raise ResultError(f"{path}: cannot be resumed: {_difference(name, str(theirs), ours)}")
 

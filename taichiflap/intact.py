@@ -15,8 +15,10 @@ from .errors import UserError
 
 Found = TypeVar("Found")
 
-MOST_TEXT = 2**22
-"""Bytes of an attribute."""
+MOST_TEXT = 2**26
+"""Bytes of an attribute: a case holds its tables of motion."""
+MOST_LABEL = 2**12
+"""Bytes of a text in an array."""
 MOST_NUMBERS = 10**8
 """Entries of an array whose room the file need not hold yet."""
 SAFE_FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE)
@@ -63,6 +65,8 @@ def attribute(file: Any, name: str) -> Any:
     stored = h5py.h5a.open(file.id, name.encode())
     if stored.shape != () or stored.get_storage_size() > MOST_TEXT:
         raise DamageError(f"{name} is no text or number")
+    if stored.dtype.kind == "O":
+        raise DamageError(f"{name} is text of varying length, which only other programs write")
     value = file.attrs[name]
     if isinstance(value, str | bytes):
         return plain(value)
@@ -91,7 +95,7 @@ def array(group: Any, name: str, shape: tuple[int | None, ...], kinds: str, *, w
 
     Args:
         shape: what it must be; None for any length.
-        kinds: NumPy's letters of the kinds of number that it may hold, such as "if"; "O" is text.
+        kinds: NumPy's letters of the kinds of number that it may hold, such as "if"; "S" is text.
         whole: whether all its room must be in the file, in one piece.
 
     Raises:
@@ -100,10 +104,10 @@ def array(group: Any, name: str, shape: tuple[int | None, ...], kinds: str, *, w
     if name not in group or not isinstance(group.get(name, getlink=True), h5py.HardLink):
         raise DamageError(f"{name} is missing")
     dataset = group[name]
-    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kinds or dataset.dtype.itemsize > 8:
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kinds:
         raise DamageError(f"{name} is no array of numbers")
-    if dataset.dtype.kind == "O" and not h5py.check_string_dtype(dataset.dtype):
-        raise DamageError(f"{name} is no list of text")
+    if dataset.dtype.itemsize > (MOST_LABEL if dataset.dtype.kind == "S" else 8):
+        raise DamageError(f"{name} has entries of {dataset.dtype.itemsize} bytes")
     found = dataset.shape or ()
     if len(found) != len(shape) or any(want not in (None, have) for want, have in zip(shape, found, strict=True)):
         raise DamageError(f"{name} has shape {found}")

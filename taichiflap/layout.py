@@ -7,14 +7,13 @@ from typing import Any
 import h5py
 import numpy as np
 
+from . import hdf
 from ._version import __version__
 from .beam import Modes
 from .case import Case
 from .results import FORMAT
-from .variables import AXES, MODE_VARIABLES, NO_COORDINATE, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
+from .variables import AXES, COMPONENTS, MODE_VARIABLES, NO_COORDINATE, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
 
-REASON_BYTES = 512
-"""Room for the reason of a failure."""
 WARNING_BYTES = 512
 """Room for what turns out to be implausible in the end."""
 
@@ -62,25 +61,22 @@ class Layout:
 
     def _describe(self, case: Case, warnings: list[str]) -> None:
         now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-        self._file.attrs.update(
+        hdf.note(
+            self._file,
             {
                 "Conventions": "CF-1.11",
                 "title": case.title,
                 "source": f"taichiflap {__version__}",
                 "history": f"{now} computed with taichiflap {__version__}",
-                "taichiflap_format": FORMAT,
                 "case": case.to_toml(),
-                "solve_time": np.nan,
-            }
+            },
         )
-        # Of fixed size, so that they too change where they stand.
-        warned = "\n".join(warnings).encode()
-        for name, value, room in (
-            ("warnings", warned, len(warned) + WARNING_BYTES),
-            ("status", b"running", len("complete")),
-            ("reason", b"", REASON_BYTES),
-        ):
-            self._file.attrs.create(name, value, dtype=h5py.string_dtype("utf-8", room))
+        self._file.attrs.update({"taichiflap_format": FORMAT, "solve_time": np.nan})
+        # With room, so that they too change where they stand.
+        warned = "\n".join(warnings)
+        hdf.note(self._file, {"warnings": warned}, len(warned.encode()) + WARNING_BYTES)
+        hdf.note(self._file, {"status": "running"}, len("complete"))
+        hdf.note(self._file, {"reason": ""}, hdf.REASON_BYTES)
 
     def _lay_out_axes(self, frames: int, nodes: np.ndarray, section: Modes) -> None:
         self._make_axis("time", _place(self._file, "time", (frames,), "f8", fillvalue=np.nan))
@@ -88,7 +84,7 @@ class Layout:
             "mode": np.arange(1, section.count + 1),
             "node": nodes,
             "panel": 0.5 * (nodes[1:] + nodes[:-1]),
-            "component": np.array(["Y", "Z"], dtype=object),
+            "component": np.array(COMPONENTS, dtype=object),  # for others: a `Result` knows them
         }
         for name, values in axes.items():
             if len(values):
@@ -121,15 +117,15 @@ class Layout:
             self._attach(_place(group, name, (vortices,), kind, fill_time="never"), variable)
         count = _place(group, "count", (frames,), "i4", fillvalue=0)
         self._attach(count, WAKE_COUNT)
-        count.attrs["sample_dimension"] = "vortex"
+        hdf.note(count, {"sample_dimension": "vortex"})
 
     def _make_axis(self, name: str, dataset: Any) -> None:
         dataset.make_scale(name)
-        _note(dataset, AXES[name].attributes)
+        hdf.note(dataset, AXES[name].attributes)
         self._axes[name] = dataset
 
     def _attach(self, dataset: Any, variable: Variable) -> None:
-        _note(dataset, variable.attributes)
+        hdf.note(dataset, variable.attributes)
         for position, name in enumerate(variable.dimensions):
             dataset.dims[position].attach_scale(self._axes[name])
 
@@ -145,11 +141,3 @@ def _row_bytes(name: str, sample: Mapping[str, np.ndarray]) -> int:
     """Bytes of a frame of a variable."""
     items = int(np.prod(sample[name].shape[1:])) if name in sample else 0
     return items * (4 if VARIABLES[name].single else 8)
-
-
-def _note(dataset: Any, texts: Mapping[str, str]) -> None:
-    """Texts as attributes, as h5py writes them, in a third of its time: a file has a hundred."""
-    kind, one = h5py.string_dtype(), h5py.h5s.create(h5py.h5s.SCALAR)
-    stored = h5py.h5t.py_create(kind, logical=True)
-    for name, text in texts.items():
-        h5py.h5a.create(dataset.id, name.encode(), stored, one).write(np.array(text, dtype=kind))

@@ -1,5 +1,6 @@
 """How a map lies in HDF5: room for every case, laid out before the first one runs, as xarray and netCDF4 know it."""
 
+import json
 import math
 import time
 import tomllib
@@ -9,7 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import intact
+from . import hdf, intact
 from ._version import __version__
 from .case import Case, parse_case
 from .design import MOST_CASES, Axis, Design
@@ -23,38 +24,38 @@ FORMAT = 1
 FLAGS = np.array([TO_DO, COMPLETE, FAILED], "i1")
 SAMPLE, FRAME = "sample", "frame"
 SAMPLE_CHUNK = 1024
-_TEXT = h5py.string_dtype()
 
 
 def lay_out(file: Any, case: Case, design: Design, metrics: Mapping[str, Variable], series: bool, title: str) -> None:
     """Make an empty file a map with all cases to do."""
     now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-    file.attrs.update(
+    keys = " ".join(axis.key for axis in design.axes)
+    hdf.note(
+        file,
         {
             "Conventions": "CF-1.11",
             "title": title,
             "source": f"taichiflap {__version__}",
             "history": f"{now} begun with taichiflap {__version__}",
-            "taichiflap_map": FORMAT,
             "case": case.to_toml(),
-            "keys": " ".join(axis.key for axis in design.axes),
-            "grid": int(design.grid),
+            "keys": keys,
             "metrics": " ".join(metrics),
-            "series": int(series),
-            "state": "running",
-        }
+        },
     )
+    hdf.note(file, {"state": "running"}, len("complete"))
+    file.attrs.update({"taichiflap_map": FORMAT, "grid": int(design.grid), "series": int(series)})
     if not design.grid:
-        file.attrs["coordinates"] = file.attrs["keys"]
+        hdf.note(file, {"coordinates": keys})
         axis = file.create_dataset(SAMPLE, data=np.arange(design.size), maxshape=(None,), chunks=(SAMPLE_CHUNK,))
         axis.make_scale(SAMPLE)
     for axis in design.axes:
         _lay_axis(file, axis, design.grid)
     statuses = file.create_dataset("status", **_room(design, "i1", TO_DO))
     statuses.attrs["flag_values"] = FLAGS
-    statuses.attrs["flag_meanings"] = "to_do complete failed"
+    hdf.note(statuses, {"flag_meanings": "to_do complete failed"})
     _describe(file, statuses, Variable((), "", "what came of the case"), dimensions(design))
-    reasons = file.create_dataset("reason", **_room(design, _TEXT, ""))
+    # Without a fill value of its own: netCDF4 damages its memory when it reads that of a text.
+    reasons = file.create_dataset("reason", **_room(design, hdf.text_type(hdf.REASON_BYTES), None))
     _describe(file, reasons, Variable((), "", "why a failed case has no metrics"), dimensions(design))
     for name, variable in metrics.items():
         _describe(file, file.create_dataset(name, **_room(design, "f8", np.nan)), variable, dimensions(design))
@@ -93,10 +94,13 @@ def check(file: Any) -> None:
     keys, grid = said["keys"].split(), bool(said["grid"])
     lengths = tuple(intact.array(file, key, (None,), "ifO", whole=False)[0] for key in keys)
     shape = lengths if grid else lengths[:1]
+    for key, length in zip(keys, lengths, strict=True):
+        if file[key].dtype.kind == "O":
+            _check_labels(key, intact.attribute(file[key], "labels"), length)
     if not keys or math.prod(shape) > MOST_CASES or (not grid and len(set(lengths)) > 1):
         raise DamageError(f"a design of {' x '.join(map(str, lengths))} cases")
     intact.array(file, "status", shape, "i", whole=False)
-    intact.array(file, "reason", shape, "O", whole=False)
+    intact.array(file, "reason", shape, "S", whole=False)
     for name in said["metrics"].split():
         intact.array(file, name, shape, "f", whole=False)
     for name in ("time", *VARIABLES):
@@ -104,6 +108,12 @@ def check(file: Any) -> None:
             intact.array(file, name, (*shape, None), "f", whole=False)
     if not grid:
         intact.array(file, SAMPLE, shape, "i", whole=False)
+
+
+def _check_labels(key: str, labels: str, length: int) -> None:
+    found = json.loads(labels)
+    if not isinstance(found, list) or len(found) != length or not all(isinstance(one, str) for one in found):
+        raise DamageError(f"{key} has other labels than entries")
 
 
 def read_case(file: Any, source: str) -> Case:
@@ -119,9 +129,8 @@ def read_design(file: Any) -> Design:
     """The design."""
     axes = []
     for key in intact.attribute(file, "keys").split():
-        dataset = file[key]
-        text = h5py.check_string_dtype(dataset.dtype)
-        values = map(intact.plain, dataset.asstr(errors="replace")[...]) if text else dataset[...].tolist()
+        labels = intact.attributes(file[key], ("labels",)).get("labels")
+        values = file[key][...].tolist() if labels is None else json.loads(labels)
         axes.append(Axis(key, tuple(values)))
     return Design(tuple(axes), bool(intact.attribute(file, "grid")))
 
@@ -146,18 +155,21 @@ def _room(design: Design, kind: Any, fill: Any) -> dict[str, Any]:
 
 
 def _lay_axis(file: Any, axis: Axis, grid: bool) -> None:
-    values = np.array(axis.values) if axis.numeric else np.array(axis.values, dtype=object)
+    values = np.array(axis.values, dtype=None if axis.numeric else h5py.string_dtype())
     growth = {} if grid else {"maxshape": (None,), "chunks": (SAMPLE_CHUNK,)}
-    dataset = file.create_dataset(axis.key, data=values, dtype=None if axis.numeric else _TEXT, **growth)
+    dataset = file.create_dataset(axis.key, data=values, **growth)
     if grid:
         dataset.make_scale(axis.key)
     else:
         dataset.dims[0].attach_scale(file[SAMPLE])
     units, text = key_units(axis.key, Case)
-    dataset.attrs.update({name: value for name, value in (("units", units), ("long_name", text)) if value})
+    # The entries that are texts are for other programs, as they know them: what is read back is of a fixed length.
+    labels = "" if axis.numeric else json.dumps(axis.values)
+    words = (("units", units), ("long_name", text), ("labels", labels))
+    hdf.note(dataset, {name: value for name, value in words if value})
 
 
 def _describe(file: Any, dataset: Any, variable: Variable, names: Sequence[str]) -> None:
-    dataset.attrs.update(variable.attributes)
+    hdf.note(dataset, variable.attributes)
     for position, name in enumerate(names):
         dataset.dims[position].attach_scale(file[name])

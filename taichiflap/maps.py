@@ -15,7 +15,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import intact, map_layout
+from . import hdf, intact, map_layout
 from .case import Case, CaseError
 from .design import Axis, Design
 from .errors import UserError
@@ -106,7 +106,7 @@ class Map:
 
     def _reason(self, place: tuple[Any, ...]) -> str:
         try:
-            return intact.plain(self.file["reason"].asstr(errors="replace")[place])
+            return intact.plain(self.file["reason"][place])
         except DAMAGE:
             raise MapError(f"{self.path}: damaged: the reason of a failed case cannot be read") from None
 
@@ -124,7 +124,7 @@ class Map:
                 map_layout.scatter(self.file[name], places, values)
             for place, outcome in zip(map(tuple, places), outcomes, strict=True):
                 if outcome.reason:
-                    self.file["reason"][place] = outcome.reason
+                    self.file["reason"][place] = outcome.reason.encode()[: hdf.REASON_BYTES]
                 for name, series in outcome.series.items():
                     kept = map_layout.series_of(self.file, self.design, name, len(series))
                     kept[(*place, slice(len(series)))] = series
@@ -149,7 +149,7 @@ class Map:
 
     def finish(self) -> None:
         """Mark the map as complete."""
-        self.file.attrs["state"] = "complete"
+        hdf.rewrite(self.file, "state", "complete")
         self.file.flush()
 
     def to_xarray(self) -> Any:
@@ -160,8 +160,10 @@ class Map:
         """
         xarray = extra("xarray", "xarray", "an xarray.Dataset needs xarray", MapError)
         axes = map_layout.dimensions(self.design)
-        keys = [axis.key for axis in self.design.axes]
-        coordinates = {name: (self._over(name, axes), *self._described(name)) for name in keys}
+        coordinates = {
+            axis.key: ((axis.key,) if self.design.grid else axes, np.array(axis.values), self._words(axis.key))
+            for axis in self.design.axes
+        }
         if not self.design.grid:
             coordinates[SAMPLE] = ((SAMPLE,), *self._described(SAMPLE))
         kept = [name for name in ("time", *VARIABLES) if name in self.file and name not in self.metrics]
@@ -170,12 +172,9 @@ class Map:
         }
         return xarray.Dataset(variables, coordinates, intact.attributes(self.file, ATTRIBUTES))
 
-    def _over(self, key: str, axes: tuple[str, ...]) -> tuple[str, ...]:
-        return (key,) if self.design.grid else axes
-
     def _described(self, name: str) -> tuple[np.ndarray, dict[str, Any]]:
         dataset = self.file[name]
-        values = dataset.asstr()[...] if h5py.check_string_dtype(dataset.dtype) else dataset[...]
+        values = dataset.asstr(errors="replace")[...] if dataset.dtype.kind == "S" else dataset[...]
         flags = {"flag_values": map_layout.FLAGS} if name == "status" else {}
         return values, self._words(name) | flags
 
@@ -200,13 +199,13 @@ def create(
         MapError: when the file cannot be created.
     """
     if path is None:
-        file = h5py.File(f"map in memory {time.monotonic_ns()}", "w", driver="core", backing_store=False)
+        file = hdf.create(f"map in memory {time.monotonic_ns()}", driver="core", backing_store=False)
         map_layout.lay_out(file, case, design, metrics, series, title or case.title)
         return Map(file, path)
     _check_place(path)
     draft = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        file = h5py.File(draft, "w")
+        file = hdf.create(draft)
         map_layout.lay_out(file, case, design, metrics, series, title or case.title)
         os.replace(draft, path)
     except OSError as error:
@@ -224,7 +223,7 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
     """
     path = Path(path)
     try:
-        file = h5py.File(path, "r+") if write else h5py.File(path, "r", locking=False)
+        file = h5py.File(path, "r+", libver=hdf.VERSION) if write else h5py.File(path, "r", locking=False)
     except FileNotFoundError:
         raise MapError(f"{path}: no such file") from None
     except IsADirectoryError:

@@ -16,7 +16,7 @@ from .case import Case, CaseError, parse_case
 from .errors import UserError
 from .extras import extra
 from .intact import DAMAGE, DamageError
-from .variables import MODE_VARIABLES, VARIABLES, WAKE_VARIABLES
+from .variables import COMPONENTS, MODE_VARIABLES, VARIABLES, WAKE_VARIABLES
 
 FORMAT = 1
 """Version of the layout; a reader refuses files of a newer one."""
@@ -186,12 +186,9 @@ class Result:
             for name in self.variables
             if name != "time"
         }
-        axes = {
-            name: (name, self.file[name].asstr()[...] if name == "component" else self.file[name][...])
-            for name in ("mode", "node", "panel", "component")
-            if name in self.file
-        }
-        return xarray.Dataset(arrays, {"time": self.time, **axes}, self.attributes)
+        axes = {name: (name, self.file[name][...]) for name in ("mode", "node", "panel") if name in self.file}
+        coordinates = {"time": self.time, "component": list(COMPONENTS), **axes}
+        return xarray.Dataset(arrays, coordinates, self.attributes)
 
 
 def open_result(path: str | Path) -> Result:
@@ -265,11 +262,9 @@ def _check_contents(file: Any, case: Case) -> None:
         raise DamageError("no status")
     frames, modes = case.steps // case.output.every + 1, case.wing.modes
     (nodes,) = intact.array(file, "node", (None,), "f")
-    sizes = {"time": frames, "mode": modes, "node": nodes, "panel": nodes - 1, "component": 2}
+    sizes = {"time": frames, "mode": modes, "node": nodes, "panel": nodes - 1, "component": len(COMPONENTS)}
     intact.array(file, "time", (frames,), "f")
     intact.array(file, "panel", (sizes["panel"],), "f")
-    intact.array(file, "component", (2,), "O", whole=False)
-    file["component"].asstr(errors="replace")[...]  # text stands elsewhere in the file
     for name, variable in VARIABLES.items():
         shape = tuple(sizes[axis] for axis in variable.dimensions)
         if 0 not in shape and (name in REQUIRED or name in file):

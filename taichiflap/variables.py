@@ -89,6 +89,9 @@ WAKE_VARIABLES = {
 
 WAKE_COUNT = Variable(("time",), "1", "number of wake vortices in the frame")
 
+COMPONENTS = ("Y", "Z")
+"""Axes of the inertial frame."""
+
 AXES = {
     "time": Variable((), "s", "time", "t"),
     "mode": Variable((), "1", "number of the elastic mode", "k"),

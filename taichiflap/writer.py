@@ -17,7 +17,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import checkpoint, claims, layout
+from . import checkpoint, claims, hdf, layout
 from .beam import Modes
 from .case import Case
 from .checkpoint import Checkpoint
@@ -176,7 +176,7 @@ class Writer:
         try:
             warned = "\n".join([*self._warnings, *warnings])
             for name, value in {"status": status, "reason": reason, "warnings": warned}.items():
-                self._write(name, value)
+                hdf.rewrite(self._file, name, value)
             self._file.attrs.modify("solve_time", solve_time)
             if self.path is None:
                 return Result(self._file)
@@ -187,11 +187,6 @@ class Writer:
         except OSError as error:
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
         return open_result(self.path)
-
-    def _write(self, name: str, value: str) -> None:
-        """Change an attribute of fixed size where it stands."""
-        room = self._file.attrs.get_id(name).dtype.itemsize
-        self._file.attrs.modify(name, np.bytes_(value.encode()[:room]))
 
     def abandon(self) -> None:
         """Close the file where it stands, under its `.part` name if it has one."""
@@ -215,9 +210,9 @@ class Writer:
 
     def _create(self) -> Any:
         if self._draft is not None:
-            return h5py.File(self._draft, "w")
+            return hdf.create(self._draft)
         self._raw = io.BytesIO()
-        return h5py.File(self._raw, "w")
+        return hdf.create(self._raw)
 
     def _find_places(self) -> None:
         """Where in the file the variables over time begin."""

@@ -12,7 +12,7 @@ from PIL import Image
 from test_cli import run
 
 import taichiflap
-from taichiflap import animation, cli, palette
+from taichiflap import animation, cli, hdf, palette
 from taichiflap.errors import UserError
 from taichiflap.export import export
 from taichiflap.variables import VARIABLES
@@ -152,7 +152,7 @@ def test_a_running_file_exports_what_it_holds(lattice, tmp_path):
     running = tmp_path / "run.h5.part"
     shutil.copy(lattice.path, running)
     with h5py.File(running, "r+") as file:
-        file.attrs["status"] = "running"
+        hdf.rewrite(file, "status", "running")
         file["time"][151:] = np.nan
     with taichiflap.open_result(tmp_path / "run.h5") as result:
         assert (result.status, result.frames) == ("running", 151)

@@ -12,6 +12,7 @@ from conftest import CASES, hawkmoth
 
 import taichiflap
 from taichiflap import checkpoint, results, run
+from taichiflap.case import parse_case
 from taichiflap.variables import VARIABLES
 
 SHORT = ("time.periods=2", "uvlm.panels=10", "uvlm.wake=50", "wing.modes=2")
@@ -42,6 +43,20 @@ def test_xarray_opens_it_with_no_code_of_ours(uvlm_file, engine):
         assert wake["count"].attrs["sample_dimension"] == "vortex"
     with xarray.open_dataset(uvlm_file, engine=engine, group="modes") as modes:
         assert modes.frequency.values.tolist() == pytest.approx([79.96, 501.1], abs=0.02)
+
+
+def test_a_long_table_of_motion_stays_in_the_file(tmp_path):
+    """HDF5's first layout has no room for attributes over 64 kB."""
+    path = tmp_path / "run.h5"
+    time = np.linspace(0.0, 0.01, 4001)
+    points = np.stack([time, 1e-3 * np.sin(628.0 * time) ** 2], axis=1).tolist()
+    document = hawkmoth("solver=dbet", "wing.modes=0").to_dict()
+    document["motion"] = {"plunge": {"kind": "table", "points": points}}
+    case = parse_case(document | {"time": {"duration": 0.01, "step": 2e-4}})
+    taichiflap.simulate(case, path).close()
+    with taichiflap.open_result(path) as result:
+        assert result.case == case
+        assert len(result.file.attrs["case"]) > 2**16
 
 
 @pytest.mark.parametrize("settings", [("wing.modes=0",), ("solver=dbet",), ("solver=dbet", "wing.modes=0")])

@@ -118,7 +118,7 @@ def test_a_search_that_was_interrupted_goes_on_and_stands_in_its_map(monkeypatch
     assert len(asked) == every
     with maps.open_map(tmp_path / "optimum.h5") as sheet:
         assert sheet.design.size == every
-        assert sheet.file.attrs["objective"] == "power_mean"
+        assert sheet.file.attrs["objective"] == b"power_mean"
         assert sheet.values("power_mean").min() == whole.value
     with pytest.raises(MapError, match="another case, --set or keys"):
         optimise(hawkmoth(*SHORT, "wing.modes=0"), RANGES, output=tmp_path / "optimum.h5", **options)

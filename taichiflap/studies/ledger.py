@@ -83,11 +83,10 @@ class Ledger:
     def _check(self, case: Case) -> None:
         sheet = self.sheet
         same = sheet.case.to_dict() == case.to_dict() and sheet.metrics == list(QUANTITIES)
-        version = sheet.file.attrs["source"].split()[-1]
         if sheet.design.grid or not same or tuple(axis.key for axis in sheet.design.axes) != self.keys:
             reason = "of another case, --set or keys"
-        elif version != __version__:
-            reason = f"of taichiflap {version}"
+        elif sheet.version != __version__:
+            reason = f"of taichiflap {sheet.version}"
         else:
             return
         sheet.close()

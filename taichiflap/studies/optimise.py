@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import hdf
 from ..case import Case
 from ..design import Axis, Design, DesignError, Spread, Value
 from ..notation import short
@@ -140,7 +141,7 @@ def optimise(
     first = {key: spread.at(unit[:1, k])[0] for k, (key, spread) in enumerate(spreads.items())}
     path = None if output is None else Path(output)
     with Ledger(case, first, path, cluster=cluster, threads=threads, overwrite=overwrite) as ledger:
-        ledger.sheet.file.attrs.update({"objective": aim.text, "conditions": "; ".join(subject_to)})
+        hdf.note(ledger.sheet.file, {"objective": aim.text, "conditions": "; ".join(subject_to)})
         search = _Search(ledger, spreads, aim, -1.0 if maximise else 1.0)
         search.conditions = conditions
         generation = 0
