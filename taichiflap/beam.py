@@ -123,7 +123,7 @@ def _mass_and_speed(wing: Wing) -> tuple[float, float]:
 
 
 def _each(value: float | tuple[float, ...], count: int) -> Array:
-    return np.array(value[:count] if isinstance(value, tuple) else [value] * count, dtype=np.float64)
+    return np.array(value[:count] if isinstance(value, tuple) else [value] * count)
 
 
 def cantilever_root(k: int) -> float:
@@ -141,9 +141,8 @@ def _sigma(beta: float) -> float:
 
 def _cantilevers(beta: Array, mass: float, s: Array) -> tuple[Array, Array]:
     """Mass-normalised shapes at s = y/chord, and their slopes by s: (modes, len(s)) each."""
-    shapes = [_cantilever(b, s) for b in beta]
-    both = (np.array([pair[i] for pair in shapes]).reshape(-1, s.size) / math.sqrt(mass) for i in range(2))
-    return next(both), next(both)
+    both = np.array([_cantilever(b, s) for b in beta]).reshape(-1, 2, s.size) / math.sqrt(mass)
+    return both[:, 0], both[:, 1]
 
 
 def _cantilever(beta: float, s: Array) -> tuple[Array, Array]:

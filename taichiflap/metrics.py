@@ -147,7 +147,7 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
         force_drift=drift,
         force_spread=spread,
         force_normal_phase=_phase(case, float(time[beats.frames][-1]), waves["force_normal"][0]) if waves else None,
-        tip_peak_time=_fraction(peak_time, 1.0) if case.periodic else peak_time,
+        tip_peak_time=_fraction(peak_time) if case.periodic else peak_time,
         tip_peak_after_reversal=after_reversal(case, peak_time),
         wake_lost=_wake_lost(result, beats.frames) if "wake_lost" in result.variables else None,
         wake_far_error=float(result.wake_far_error[-1]) if "wake_far_error" in result.variables else None,
@@ -245,7 +245,7 @@ def _swing(axis: Travel, frequency: float | None, growth: float, beat: float, co
     return first if abs(first) > motion.NOISE * np.abs(moved).max() else 0j
 
 
-def _fraction(value: float, period: float) -> float:
-    """`value` modulo `period`, with round-off below the period taken as zero."""
-    rest = value % period
-    return 0.0 if math.isclose(rest, period, abs_tol=1e-9) else rest
+def _fraction(value: float) -> float:
+    """`value` modulo 1, with round-off below 1 taken as zero."""
+    rest = value % 1.0
+    return 0.0 if math.isclose(rest, 1.0) else rest

@@ -5,7 +5,7 @@ import pytest
 from conftest import hawkmoth
 from scipy.optimize import brentq
 
-from taichiflap import beam
+from taichiflap import beam, theory
 
 
 def quadrature(wing, points=200):
@@ -21,6 +21,8 @@ def test_hawkmoth_frequencies():
 def test_roots_are_the_known_ones():
     known = [1.87510406871, 4.69409113297, 7.85475743824, 10.9955407349]
     assert [beam.cantilever_root(k) for k in range(1, 5)] == pytest.approx(known, abs=1e-10)
+    # Newton's method and bisection, to the last digits.
+    np.testing.assert_allclose([beam.cantilever_root(k) for k in range(1, 21)], theory.cantilever_roots(20), rtol=3e-15)
 
 
 @pytest.mark.parametrize("count", [1, 3, 8, 20])

@@ -118,12 +118,14 @@ def test_added_mass_of_rigid_motion_is_its_closed_form():
     np.testing.assert_allclose(theory.added_mass(RIGID), expected, rtol=1e-12)
 
 
-def test_added_mass_between_heave_and_any_shape_is_the_load_of_heave_along_it():
-    """A plate that heaves at unit speed has the potential jump `2 sqrt(x (1 - x))` (Lamb 1932, art. 71)."""
+def test_added_mass_between_rigid_motion_and_any_shape_is_the_work_of_its_load():
+    """Unit rates have the potential jumps `2 r` and, in a turn, `(x - 1/2) r`, r^2 = x (1 - x) (Lamb 1932, art. 71)."""
     root = theory.cantilever_roots(2)[1]
-    shapes = [np.exp, lambda x: theory.cantilever_shape(root, x)]
-    work = [quad(lambda x, shape=one: 2.0 * math.sqrt(x * (1.0 - x)) * float(shape(x)), 0.0, 1.0)[0] for one in shapes]
-    np.testing.assert_allclose(theory.added_mass([np.ones_like, *shapes])[0, 1:], work, rtol=1e-8)
+    for shape in (np.exp, lambda x: theory.cantilever_shape(root, x)):
+        mass = theory.added_mass([np.ones_like, lambda x: x - 0.5, shape])
+        for rigid, jump in ((0, lambda x: 2.0), (1, lambda x: x - 0.5)):
+            work = quad(lambda x, f=shape, j=jump: j(x) * math.sqrt(x * (1.0 - x)) * float(f(x)), 0.0, 1.0)[0]
+            assert mass[rigid, 2] == pytest.approx(work, rel=1e-8)
 
 
 def test_added_mass_is_the_limit_of_fast_oscillation():

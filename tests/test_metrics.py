@@ -95,6 +95,12 @@ def test_differences_of_a_millionth_disturb_no_beat_and_of_a_ten_thousandth_they
     assert kept(1e-6, 1e-4) < 12
 
 
+def test_a_run_that_repeats_to_the_digit_keeps_all_its_beats_however_many():
+    case = hawkmoth("time.periods=3000", "time.steps_per_period=4")
+    made = synthetic(case, force_y=lambda t: np.full_like(t, 0.1), force_z=lambda t: np.full_like(t, -0.7))
+    assert len(settled_beats(made)) == 3000
+
+
 def test_a_run_without_frames_has_no_beats():
     assert len(whole_beats(hawkmoth(), np.zeros(0))) == 0
 
@@ -112,6 +118,7 @@ def test_every_quantity_has_the_units_of_what_it_is_taken_of():
 
 def test_two_beats_are_too_few_to_call_settled():
     assert metrics.summarise(synthetic(hawkmoth("time.periods=2"), force_y=np.ones_like)).settled is False
+    assert metrics.summarise(synthetic(hawkmoth("time.periods=3"), force_y=np.ones_like)).settled is True
     assert metrics.summarise(synthetic(hawkmoth("time.periods=6"), force_y=np.ones_like)).settled is True
 
 
@@ -156,6 +163,8 @@ def test_a_motion_that_does_not_repeat_is_summarised_over_the_whole_run():
     assert summary.force_vertical.mean == pytest.approx(0.505)
     assert summary.tip_peak_time * case.beat == pytest.approx(0.75)
     lines = "\n".join(report._statistics(case, summary))
+    made = synthetic(case, tip_deflection=lambda t: t)
+    assert metrics.summarise(made).tip_peak_time == 1.0  # at its end, which is no beginning
     assert "over the whole run" in lines
     assert "t = 0.75 s" in lines
     assert report._unrest(summary) == ""
@@ -217,6 +226,28 @@ def test_harmonics_are_recovered_exactly():
     assert metrics.harmonic(case, time, values, 3) == pytest.approx(0.5 * np.exp(-1j))
 
 
+def test_harmonics_of_a_summary_are_those_of_its_settled_beats():
+    def swing(t):
+        return np.where(t > 0.041, 3e-3 + 2e-3 * np.cos(50 * np.pi * t + 0.3) + 1e-3 * np.sin(100 * np.pi * t), 1.0)
+
+    case = hawkmoth("time.periods=4")
+    made = synthetic(case, tip_deflection=swing, force_normal=lambda t: np.sin(150 * np.pi * t))
+    found = metrics.summarise(made, whole_beats(case, made.time).after(2)).harmonics
+    np.testing.assert_allclose(found["tip_deflection"], [2e-3 * np.exp(0.3j), -1e-3j, 0.0], atol=1e-15)
+    np.testing.assert_allclose(found["force_normal"], [0.0, 0.0, -1j], atol=1e-12)
+    np.testing.assert_allclose(found["force_vertical"], 0.0)
+
+
+def test_a_summary_tells_of_the_wake_what_the_run_had_come_to_at_its_end():
+    made = synthetic(hawkmoth("time.periods=2"))
+    bare = metrics.summarise(made)
+    assert (bare.wake_lost, bare.wake_far_error, bare.wake_crossings) == (None, None, None)
+    made.variables += ("wake_far_error", "wake_crossings")
+    made.wake_far_error, made.wake_crossings = 1e-6 * made.time, np.arange(len(made.time))
+    summary = metrics.summarise(made)
+    assert (summary.wake_far_error, summary.wake_crossings) == (pytest.approx(1e-6 * 0.08), 400)
+
+
 def test_peak_and_its_time_after_reversal():
     case = hawkmoth("motion.plunge.phase_deg=0.0")
     made = synthetic(case, tip_deflection=lambda t: -0.001 - 0.006 * np.cos(50 * np.pi * (t - 0.012)))
@@ -245,10 +276,10 @@ def test_reversal_of_the_papers_stroke_is_at_0_and_a_half(beats, after):
 def test_reversals_a_few_steps_apart_are_told_apart():
     """However few steps a beat has, and however long a run without one."""
     quick = hawkmoth("time.steps_per_period=20", "motion.plunge.harmonics=[[25, 0.02, 5.0]]")
-    points = [[0.0, 0.0], [50.0, 1.0], [50.01, 0.99], [50.02, 1.0], [100.0, 0.0]]
+    points = [[0.0, 0.0], [49.9, 0.1], [50.0, 0.1], [50.05, 0.099], [50.1, 0.1], [50.2, 0.1], [100.0, 0.2]]
     document = hawkmoth().to_dict() | {"time": {"duration": 100.0, "step": 0.001}}
     document["motion"] = {"plunge": {"kind": "table", "points": points}, "pitch": {"amplitude_deg": 0.0}}
-    for case, least in ((quick, 50), (parse_case(document), 3)):
+    for case, least in ((quick, 50), (parse_case(document), 5)):
         beats = np.linspace(0.0, 1.0, 50_001)
         rising = motion.sample(case.motion, beats * case.beat)[:, motion.PLUNGE_RATE] > 0.0
         expected = beats[np.flatnonzero(rising[1:] != rising[:-1])]
