@@ -96,9 +96,9 @@ def test_differences_of_a_millionth_disturb_no_beat_and_of_a_ten_thousandth_they
 
 
 def test_a_run_that_repeats_to_the_digit_keeps_all_its_beats_however_many():
-    case = hawkmoth("time.periods=3000", "time.steps_per_period=4")
-    made = synthetic(case, force_y=lambda t: np.full_like(t, 0.1), force_z=lambda t: np.full_like(t, -0.7))
-    assert len(settled_beats(made)) == 3000
+    case = hawkmoth("time.periods=10000", "time.steps_per_period=4")
+    made = synthetic(case, force_y=lambda t: np.full_like(t, 1.0 / 3.0), force_z=lambda t: np.full_like(t, -0.7))
+    assert len(settled_beats(made)) == 10_000
 
 
 def test_a_run_without_frames_has_no_beats():
@@ -249,7 +249,7 @@ def test_a_summary_tells_of_the_wake_what_the_run_had_come_to_at_its_end():
 
 
 def test_peak_and_its_time_after_reversal():
-    case = hawkmoth("motion.plunge.phase_deg=0.0")
+    case = hawkmoth("motion.plunge.phase_deg=0.0", "time.periods=14")
     made = synthetic(case, tip_deflection=lambda t: -0.001 - 0.006 * np.cos(50 * np.pi * (t - 0.012)))
     summary = metrics.summarise(made)
     assert summary.tip_peak.mean == pytest.approx(0.007)

@@ -199,7 +199,7 @@ def test_means_of_a_profile_are_its_integrals(rng):
         corners = np.unique(np.clip(np.concatenate(([a, b], s)), a, b))
         assert mean == pytest.approx(np.trapezoid(profile(corners), corners) / (b - a), rel=1e-12)
     np.testing.assert_array_equal(Profile.of(0.3).means(edges), [0.3] * 7)
-    assert Profile.of(2).means(edges).dtype == float
+    assert Profile.of([[0, 2], [1, 2]]).means(edges).dtype == float
     # Whole pieces and parts of them, edges at corners and at both ends.
     table = Profile.of([[0, 1.0], [0.5, 3.0], [1.0, 0.0]])
     np.testing.assert_allclose(table.means(np.array([0.0, 0.25, 0.5, 1.0])), [1.5, 2.5, 1.5], rtol=1e-15)
