@@ -18,6 +18,7 @@ from PIL import Image
 
 from . import outputs, palette, scene
 from .extras import extra
+from .notation import prefixed
 from .results import Result
 
 TALL, WIDE = 840, 1040
@@ -98,7 +99,7 @@ class Film:
         self._case = result.case
         self._sway = scene.sway(result, stored)
         self.chord = result.case.wing.chord
-        self.shared = scene.bounds(self.frames, self.chord)
+        self.shared = scene.bounds(self.frames, result.case)
         self.dotted = any(len(frame.wake) for frame in self.frames)
         left, right, bottom, top = self.shared.page
         pixels = min(WIDE / (right - left), TALL / (top - bottom))
@@ -204,7 +205,8 @@ class Film:
             "", (at[0] + scene.REACH * chord, at[1]), at,
             arrowprops={"arrowstyle": "-|>", "color": self.theme.force, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
-        force = f"force {1e3 * self.shared.force:g} mN"
+        factor, unit = prefixed(self.shared.force, "N")
+        force = f"force {factor * self.shared.force:g} {unit}"
         if not self.dotted:
             force += f"; load along the chord {self.shared.traction:g} Pa"
         axes.annotate(force, at, (0, 8), textcoords="offset points", fontsize=11, color=self.theme.ink)

@@ -27,6 +27,11 @@ LABELS = {
 }
 
 
+def model(sheet: Map) -> str:
+    """The fluid model of all cases of a map; nothing if it varies."""
+    return "" if any(axis.key == "solver" for axis in sheet.design.axes) else sheet.case.model
+
+
 def named(name: str, sheet: Map) -> str:
     """A key or a metric of a map with its unit, as an axis bears it."""
     units = sheet.units(name)

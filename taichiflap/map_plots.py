@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from . import outputs, palette
 from .design import Axis
-from .map_names import LIFT, METRICS, POWER, factor_of, is_log, label, named
+from .map_names import LIFT, METRICS, POWER, factor_of, is_log, label, model, named
 from .maps import Map, MapError
 from .notation import short
 from .pareto import pareto_front
@@ -52,8 +52,9 @@ def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False) -> list[
             figures["scatter"] = scatter(sheet, metrics)
         if LIFT in sheet.metrics and POWER in sheet.metrics:
             figures["pareto"] = pareto(sheet)
+        heading = ", ".join(filter(None, (sheet.title, model(sheet))))
         for figure in figures.values():
-            figure.suptitle(sheet.title, fontsize=8, x=0.01, ha="left")
+            figure.suptitle(heading, fontsize=8, x=0.01, ha="left")
     return _write(figures, stem, overwrite)
 
 
@@ -249,7 +250,8 @@ def _scale_axes(ax: Any, x: Axis, y: Axis | None = None) -> None:
     for axis, scale, drawn in ((x, ax.set_xscale, ax.xaxis), (y, ax.set_yscale, ax.yaxis)):
         if axis is not None and is_log(axis):
             scale("log")
-            drawn.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            few = float(max(axis.values)) < 10.0 * float(min(axis.values))
+            drawn.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0) if few else (1.0, 2.0, 5.0)))
             drawn.set_major_formatter(lambda value, _: f"{value:g}")
             drawn.set_minor_formatter(NullFormatter())
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from .design import Axis, Design
+from .map_names import model
 from .maps import Map
 from .notation import short
 from .outcome import COMPLETE, FAILED
@@ -27,6 +28,8 @@ def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
     design, status = sheet.design, sheet.status
     counts = f"{np.sum(status == COMPLETE):,} complete, {np.sum(status == FAILED):,} failed"
     yield "file", f"{sheet.path or 'in memory'}, {design.size:,} cases: {counts}"
+    if model(sheet):
+        yield "model", model(sheet)
     for axis in design.axes:
         yield axis.key, _range(axis, design, sheet.units(axis.key))
     for name in SHOWN:

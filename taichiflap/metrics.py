@@ -112,6 +112,13 @@ class Summary:
     harmonics: dict[str, list[complex]]
 
 
+def in_stream(case: Case, force_y: Array, force_z: Array) -> tuple[Array, Array]:
+    """Lift and thrust of a force (N): across the free stream, a quarter turn counter-clockwise from it, and against."""
+    speed = math.hypot(*case.fluid.velocity)
+    stream_y, stream_z = (component / speed for component in case.fluid.velocity)
+    return force_z * stream_y - force_y * stream_z, -(force_y * stream_y + force_z * stream_z)
+
+
 def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
     """Summary of a run; None while it has no whole beat.
 
@@ -127,11 +134,8 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
     tip, normal = series["tip_deflection"], series["force_normal"]
     of_beats = dict(zip(series, beats.means(np.stack(list(series.values()))), strict=True))
     of_beats["power_positive"] = beats.means(np.maximum(series["power"], 0.0))
-    speed = math.hypot(*case.fluid.velocity)
-    if speed:
-        stream_y, stream_z = (component / speed for component in case.fluid.velocity)
-        of_beats["lift"] = of_beats["force_z"] * stream_y - of_beats["force_y"] * stream_z
-        of_beats["thrust"] = -(of_beats["force_y"] * stream_y + of_beats["force_z"] * stream_z)
+    if any(case.fluid.velocity):
+        of_beats["lift"], of_beats["thrust"] = in_stream(case, of_beats["force_y"], of_beats["force_z"])
     of_beats["force_normal_peak"], of_beats["tip_peak"] = beats.peaks(np.stack((normal, tip)))
     found = dict(zip(of_beats, Statistic.each(np.stack(list(of_beats.values()))), strict=True))
     lift, thrust = found.pop("lift", None), found.pop("thrust", None)

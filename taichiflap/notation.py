@@ -3,9 +3,12 @@
 from decimal import Decimal
 from typing import Any
 
-PREFIXES = ((1e4, 1e-3, "k"), (10.0, 1.0, ""), (1e-4, 1e3, "m"), (1e-7, 1e6, "µ"), (0.0, 1e9, "n"))
-"""The least size in a unit that has a prefix, the factor to it, and the prefix. Thousandths reach far: of newtons,
-watts and metres they are what an insect's wing is measured in."""
+PREFIXES = (
+    (1e9, 1e-9, "G"), (1e6, 1e-6, "M"), (1e3, 1e-3, "k"), (1.0, 1.0, ""), (1e-4, 1e3, "m"),
+    (1e-7, 1e6, "µ"), (0.0, 1e9, "n"),
+)  # fmt: skip
+"""The least size in a unit that has a prefix, the factor to it, and the prefix. Thousandths reach down to 0.1:
+of newtons, watts and metres they are what an insect's wing is measured in."""
 
 
 def prefixed(size: float, unit: str) -> tuple[float, str]:

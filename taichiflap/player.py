@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import outputs, palette, scene
+from .notation import prefixed
 from .results import Result
 
 BUDGET = 7_000_000
@@ -63,7 +64,7 @@ def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], 
 
 def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], per_beat: float) -> str:
     case = result.case
-    shared = scene.bounds(frames, case.wing.chord)
+    shared = scene.bounds(frames, case)
     loaded = not any(len(frame.wake) for frame in frames)
     data = {
         "chord": case.wing.chord,
@@ -76,6 +77,8 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "limit": shared.circulation,
         "saturated": shared.saturated,
         "force_limit": shared.force,
+        "force_unit": prefixed(shared.force, "N"),
+        "tip_unit": prefixed(float(np.abs(result.tip_deflection[indices]).max()), "m") if case.wing.modes else None,
         "traction_limit": shared.traction,
         "reach": scene.REACH,
         "nodes": len(frames[0].wing),

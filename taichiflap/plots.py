@@ -1,6 +1,7 @@
 """Figures for print: the last beat in numbers, and the wing with its wake or its loads at instants of that beat."""
 
 import itertools
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from . import outputs, palette, scene
-from .metrics import reversals, summarise
+from .metrics import in_stream, reversals, summarise
 from .motion import PLUNGE_RATE, sample
 from .notation import prefixed
 from .results import Result
@@ -27,13 +28,16 @@ INSTANTS = 8
 ARROWS = 9
 """Arrows of the load along a chord."""
 FORMATS = ("png", "svg")
-PANELS = (
-    ("Tip deflection (mm)", ("tip_deflection",)),
-    ("Normal force (mN)", ("force_normal",)),
-    ("Vertical force (mN)", ("force_vertical",)),
-    ("Mechanical power (mW)", ("power", "power_aerodynamic", "power_inertial")),
-)
-"""Panels of the summary: label of the axis, and series, drawn in thousandths of their unit."""
+Panel = tuple[str, str, tuple[str, ...]]
+"""A panel of the summary: what its axis bears, its unit, and its series."""
+DEFLECTION: Panel = ("Tip deflection", "m", ("tip_deflection",))
+PLUNGE: Panel = ("Plunge", "m", ("plunge",))
+PITCH: Panel = ("Pitch", "deg", ("pitch",))
+NORMAL: Panel = ("Normal force", "N", ("force_normal",))
+VERTICAL: Panel = ("Vertical force, full vector", "N", ("force_vertical",))
+LIFT: Panel = ("Lift across the stream", "N", ("lift",))
+THRUST: Panel = ("Thrust against the stream", "N", ("thrust",))
+POWER: Panel = ("Mechanical power", "W", ("power", "power_aerodynamic", "power_inertial"))
 STYLES: Any = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
 """The power and its parts: name and line."""
 MANY_DOTS = 6000
@@ -96,22 +100,22 @@ def summary(results: Sequence[Result]) -> Figure:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 4.9), layout="constrained")
         axes = list(figure.subplots(2, 2, sharex=True).flat)
-        handles, names = [], _names(results)
+        handles, names, shown = [], _names(results), panels(results)
+        units = [_unit(results, panel) for panel in shown]
         length, label_of_time = scene.abscissa(results[0].case)
         for number, result in enumerate(results):
             colour = palette.LINES[number % len(palette.LINES)]
-            frames = scene.last_beats(result)
-            turns = result.time[frames] / result.case.beat
+            turns = result.time[scene.last_beats(result)] / result.case.beat
             turns = length * (turns - round(turns[-1]) + 1.0)
-            for ax, (_, series) in zip(axes, PANELS, strict=True):
+            for ax, (factor, _), (_, _, series) in zip(axes, units, shown, strict=True):
                 for variable, (_, line) in zip(series, STYLES, strict=False):
                     width = 1.3 if line == "-" else 1.0
-                    ax.plot(turns, 1e3 * getattr(result, variable)[frames], line, color=colour, linewidth=width)
+                    ax.plot(turns, factor * _last_beat(result, variable), line, color=colour, linewidth=width)
             name = f"{names[number]} ({result.case.model}{_mean_force(result)})"
             handles.append(Line2D([], [], color=colour, label=name))
-        for letter, ax, (label, series) in zip("abcd", axes, PANELS, strict=True):
+        for letter, ax, (label, _, series), (_, unit) in zip("abcd", axes, shown, units, strict=True):
             _shade(ax, results[0], length)
-            ax.set(ylabel=label, xlim=(0.0, length))
+            ax.set(ylabel=f"{label} ({unit})", xlim=(0.0, length))
             ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
             ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
             if len(series) > 1:
@@ -139,7 +143,7 @@ def wing(result: Result) -> Figure:
     frames = [scene.frame(result, int(index)) for index in chosen]
     beat = round(frames[0].beats)
     chord = result.case.wing.chord
-    shared = scene.bounds(frames, chord)
+    shared = scene.bounds(frames, result.case)
     dotted = any(len(frame.wake) for frame in frames)
     many = sum(len(frame.wake) for frame in frames) > MANY_DOTS
     left, right, bottom, top = (1e3 * edge for edge in shared.page)
@@ -163,7 +167,8 @@ def wing(result: Result) -> Figure:
         if dots is None:
             text, size = f"{shared.traction:g} Pa, force of the fluid per area", shared.traction
         else:
-            text, size = f"{1e3 * shared.force:g} mN, force of the fluid", shared.force
+            factor, unit = prefixed(shared.force, "N")
+            text, size = f"{factor * shared.force:g} {unit}, force of the fluid", shared.force
             bar = figure.colorbar(
                 dots, ax=axes, shrink=0.85, aspect=35, pad=0.015, extend="both" if shared.saturated else "neither"
             )
@@ -177,6 +182,32 @@ def wing(result: Result) -> Figure:
     return figure
 
 
+def panels(results: Sequence[Result]) -> list[Panel]:
+    """What a summary shows: lift and thrust where there is a stream, and the motion of wings that do not bend."""
+    cases = [result.case for result in results]
+    moved = PLUNGE if any(np.ptp(result.plunge) for result in results) else PITCH
+    first = DEFLECTION if any(case.wing.modes for case in cases) else moved
+    forces = (LIFT, THRUST) if all(any(case.fluid.velocity) for case in cases) else (NORMAL, VERTICAL)
+    return [first, *forces, POWER]
+
+
+def _last_beat(result: Result, name: str) -> np.ndarray:
+    """A series over the last beat; of a force in a stream its part across or against it."""
+    frames = scene.last_beats(result)
+    if name in ("lift", "thrust"):
+        lift, thrust = in_stream(result.case, result.force_y[frames], result.force_z[frames])
+        return lift if name == "lift" else thrust
+    return np.asarray(getattr(result, name)[frames])
+
+
+def _unit(results: Sequence[Result], panel: Panel) -> tuple[float, str]:
+    """Factor to what a panel is drawn in, and its name."""
+    _, unit, series = panel
+    if unit == "deg":
+        return 180.0 / math.pi, unit
+    return prefixed(max(float(np.abs(_last_beat(result, name)).max()) for result in results for name in series), unit)
+
+
 def _names(results: Sequence[Result]) -> list[str]:
     """Titles of the results, with their files' names where titles alone would not tell them apart."""
     names = [scene.label(result) for result in results]
@@ -186,12 +217,13 @@ def _names(results: Sequence[Result]) -> list[str]:
 
 
 def _mean_force(result: Result) -> str:
-    """The mean vertical force as `info` gives it, over the settled beats; nothing of a run that failed."""
+    """The mean vertical force, or thrust in a stream, as `info` gives it; nothing of a run that failed."""
     settled = summarise(result) if result.status != "failed" else None
     if settled is None:
         return ""
-    factor, unit = prefixed(settled.force_vertical.mean, "N")
-    return f", mean vertical force {factor * settled.force_vertical.mean:.3g} {unit}"
+    name, force = ("thrust", settled.thrust) if settled.thrust else ("vertical force", settled.force_vertical)
+    factor, unit = prefixed(force.mean, "N")
+    return f", mean {name} {factor * force.mean:.3g} {unit}".replace("-", "−")
 
 
 def _shade(ax: Any, result: Result, length: float) -> None:

@@ -25,6 +25,8 @@ SLENDER = 0.4
 """The page's short side is at least so much of the long one."""
 MARGIN = 0.3
 """Free space around what is drawn, chords."""
+FAR, FAR_IN_STREAM = 5.0, 12.0
+"""The page ends so many chords from the wing, lest a wake of many beats leave nothing of the wing to be seen."""
 REACH = 1.0
 """Length of the arrow of the largest force, chords."""
 
@@ -133,14 +135,18 @@ def frame(result: Result, index: int) -> Frame:
     )
 
 
-def bounds(frames: list[Frame], chord: float) -> Bounds:
-    """Bounds that hold for all the frames: the wing with its forces, and all but the farthest of the wake."""
+def bounds(frames: list[Frame], case: Case) -> Bounds:
+    """Bounds that hold for all the frames: the wing with its forces, and all but the farthest of the wake near it."""
+    chord = case.wing.chord
     force = rounded_up(max(math.hypot(*f.force) for f in frames) or 1.0)
     traction = rounded_up(max(float(np.hypot(*f.traction.T).max()) for f in frames) or 1.0)
-    circulation = np.concatenate([f.circulation for f in frames])
-    limit = symmetric_limit(circulation)
     shown = [f.wing for f in frames] + [(f.foot + f.force * REACH * chord / force)[None, :] for f in frames]
+    wings = np.concatenate(shown)
     wake = np.concatenate([f.wake for f in frames])
+    far = chord * (FAR_IN_STREAM if any(case.fluid.velocity) else FAR)
+    near = ((wake > wings.min(axis=0) - far) & (wake < wings.max(axis=0) + far)).all(axis=1)
+    wake, circulation = wake[near], np.concatenate([f.circulation for f in frames])[near]
+    limit = symmetric_limit(circulation)
     if len(wake):
         shown.append(np.quantile(wake, (OUTLYING, 1.0 - OUTLYING), axis=0))
     else:

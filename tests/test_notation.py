@@ -28,7 +28,7 @@ def test_a_number_reads_back_as_the_same():
 @pytest.mark.parametrize(
     ("size", "factor", "unit"),
     [
-        (0.031, 1e3, "mN"), (-9.9, 1e3, "mN"), (1.5e-5, 1e6, "µN"), (1e-8, 1e9, "nN"), (10.0, 1.0, "N"),
+        (0.031, 1e3, "mN"), (-0.99, 1e3, "mN"), (1.5e-5, 1e6, "µN"), (1e-8, 1e9, "nN"), (1.0, 1.0, "N"),
         (2e4, 1e-3, "kN"), (0.0, 1e3, "mN"), (math.nan, 1e3, "mN"), (math.inf, 1e3, "mN"),
     ],
 )  # fmt: skip

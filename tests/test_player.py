@@ -183,7 +183,7 @@ def test_a_page_plays_pauses_and_seeks(opened, lattice):
     assert page.inner_text("#clock") == "beat 3, t/T = 0.50"
     assert page.evaluate("stage.toDataURL()") != before
     index = int(scene.last_beats(lattice, 2)[150])
-    assert f"tip {1e3 * lattice.tip_deflection[index]:.2f} mm" in page.inner_text("#readout")
+    assert f"tip {1e3 * lattice.tip_deflection[index]:.2f} mm".replace("-", "−") in page.inner_text("#readout")
     page.click("#next")
     assert page.evaluate("Math.floor(now)") == 151
     page.select_option("#speed", "8")

@@ -1,5 +1,6 @@
 """Figures: they show the file's numbers, say what they show with units, and every colour keeps its promise."""
 
+import dataclasses
 import re
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from matplotlib.text import Text
 
 import taichiflap
 from taichiflap import cli, metrics, palette, plots, scene
+from taichiflap.beats import Beats
 from taichiflap.errors import UserError
 
 pytestmark = pytest.mark.slow
@@ -51,8 +53,8 @@ def texts(figure):
 
 def test_the_summary_holds_the_last_beat_of_both_results(lattice, blades):
     figure = plots.summary([lattice, blades])
-    for ax, (label, series) in zip(figure.axes, plots.PANELS, strict=True):
-        assert ax.get_ylabel() == label
+    for ax, (label, unit, series) in zip(figure.axes, plots.panels([lattice, blades]), strict=True):
+        assert ax.get_ylabel() == f"{label} (m{unit})"
         drawn = [line.get_ydata() for line in ax.lines if len(line.get_ydata()) > 2]
         expected = [
             1e3 * getattr(result, name)[scene.last_beats(result)] for result in (lattice, blades) for name in series
@@ -120,8 +122,32 @@ def test_no_text_leaves_the_page_or_meets_another(lattice, blades):
 def test_a_rigid_wing_that_only_pitches_is_drawn(tmp_path):
     case = hawkmoth("wing.modes=0", "motion.plunge.amplitude=0.0", "time.periods=1", "time.steps_per_period=50")
     result = taichiflap.simulate(case)
-    assert not [t for t in texts(plots.summary([result])) if "stroke to" in t.get_text()]
+    figure = plots.summary([result])
+    assert not [t for t in texts(figure) if "stroke to" in t.get_text()]
+    # It does not bend: in the place of its deflection stands what moves.
+    assert figure.axes[0].get_ylabel() == "Pitch (deg)"
+    np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), np.degrees(result.pitch))
     assert len(plots.plot([result], tmp_path / "rigid")) == 4
+
+
+def test_in_a_stream_lift_and_thrust_are_drawn_and_a_beat_of_them_is_the_summarys():
+    case = hawkmoth("fluid.velocity=[1.2, 0.5]", "fluid.density=1e-3", "wing.modes=0", "time.periods=2")
+    result = taichiflap.simulate(case)
+    _, lift, thrust, _ = plots.summary([result]).axes
+    assert (lift.get_ylabel(), thrust.get_ylabel()) == ("Lift across the stream (µN)", "Thrust against the stream (µN)")
+    last = metrics.summarise(result, Beats(scene.last_beats(result)[[0, -1]]))
+    for ax, force in ((lift, last.lift), (thrust, last.thrust)):
+        assert ax.lines[0].get_ydata()[:-1].mean() == pytest.approx(1e6 * force.mean)
+
+
+def test_the_page_ends_near_the_wing_and_its_colours_are_of_what_it_shows(lattice):
+    frames = [scene.frame(lattice, int(index)) for index in scene.last_beats(lattice)]
+    near = scene.bounds(frames, lattice.case)
+    first = frames[0]
+    away = np.vstack([first.wake, first.wing.mean(axis=0) - np.array([0.0, 1.0])])  # fifty chords below
+    strong = np.append(first.circulation, 1e3 * np.abs(first.circulation).max())
+    far = [dataclasses.replace(first, wake=away, circulation=strong), *frames[1:]]
+    assert scene.bounds(far, lattice.case) == near
 
 
 def test_reversals_are_where_the_plunge_turns(lattice):
@@ -141,7 +167,9 @@ def test_plot_writes_figures_that_name_no_machine(lattice, blades, tmp_path, cap
         assert str(tmp_path.parent).encode() not in content
         assert len(content) < 1_500_000
     drawing = (tmp_path / "lattice-summary.svg").read_text()
-    assert set(re.findall(r"<!-- (.*?) -->", drawing)) >= {label for label, _ in plots.PANELS}
+    assert set(re.findall(r"<!-- (.*?) -->", drawing)) >= {
+        f"{label} (m{unit})" for label, unit, _ in plots.panels([lattice, blades])
+    }
     with pytest.raises(UserError, match="--overwrite"):
         plots.plot([lattice], tmp_path / "lattice")
     assert {file.name for file in tmp_path.iterdir()} == names

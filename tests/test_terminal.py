@@ -122,7 +122,7 @@ def test_optimise_tells_its_generations_and_the_best(tmp_path, monkeypatch, caps
     monkeypatch.chdir(tmp_path)
     assert optimise("--minimise=tip_peak_mean") == 0
     said = capsys.readouterr().out
-    assert "generation   1:" in said
+    assert "generation   2:" in said
     assert "wing.youngs_modulus" in said
     assert optimise("--minimise=tip_peak_mean", "--subject-to=tip_peak_mean >= 1", "-o", "none.h5") == 1
 

@@ -215,7 +215,7 @@ def test_layers_background_and_theme_act(serve, look):
     page.wait_for_function(wake)
     choose(page, "Background", "vorticity")
     page.wait_for_function(f"() => {NODE.format('/field/picture')}")
-    page.get_by_text("Air: vorticity, 1/s").wait_for()
+    page.get_by_text("Flow: vorticity, 1/s").wait_for()
     choose(page, "Background", "none")
     page.wait_for_function(f"() => !({NODE.format('/field/picture')})")
     assert page.locator(".tabler-icon-share").count() == 0
@@ -433,7 +433,7 @@ def test_a_click_on_a_map_computes_its_case_and_shows_it(tmp_path, look):
         middle = canvas["x"] + canvas["width"] / 2, canvas["y"] + canvas["height"] / 2
         page.mouse.click(middle[0] + scale * x, middle[1] - scale * z)
         page.wait_for_function(f"() => {NODE.format('/wing')}")
-        page.get_by_text("motion.pitch.amplitude_deg=30.0").wait_for()
+        page.get_by_text("motion.pitch.amplitude_deg = 30").wait_for()
         shown = session._case.run
         assert (shown.case.wing.youngs_modulus, shown.case.motion.pitch.amplitude_deg) == (10e9, 30.0)
         assert taichiflap.summarise(shown.result).force_vertical.mean == found.force_vertical_mean.values[0, 2]

@@ -1,16 +1,19 @@
 """Curves over time beside the scene, each with its unit and a dot at the frame that the scene shows."""
 
+import math
 from dataclasses import dataclass
 from html import escape
 from typing import Any
 
 import numpy as np
 
+from taichiflap.notation import prefixed
 from taichiflap.variables import VARIABLES
 
 from . import wire
 from .colours import Theme, css
 from .frames import Array, Run
+from .scene import common_ranges
 from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback, beat_span
 
 POINTS = 241
@@ -34,13 +37,27 @@ class Quantity:
     factor: float
 
 
-QUANTITIES = (
-    Quantity("tip_deflection", "Tip deflection", "mm", 1e3),
-    Quantity("force_normal", "Force along the wing's normal", "mN", 1e3),
-    Quantity("force_vertical", "Vertical force", "mN", 1e3),
-    Quantity("power", "Mechanical power", "mW", 1e3),
-)
 MODES = Quantity("q", "Modal amplitudes", f"10⁻³ {VARIABLES['q'].units}", 1e3)
+
+
+def quantities(runs: list[Run]) -> list[Quantity]:
+    """What the charts of some results show, in units that suit the largest."""
+    ranges = common_ranges(runs)
+    length, metres = prefixed(max(run.chord for run in runs), "m")
+    force, newtons = prefixed(ranges.force, "N")
+    power, watts = prefixed(ranges.force * ranges.speed, "W")
+    first = Quantity("tip_deflection", "Tip deflection", metres, length)
+    if not any(len(run.shape) for run in runs):  # no wing bends: what moves instead
+        plunges = any(run.path[0] < run.path[1] for run in runs)
+        degrees = 180.0 / math.pi
+        first = Quantity("plunge", "Plunge", metres, length) if plunges else Quantity("pitch", "Pitch", "deg", degrees)
+    found = [
+        first,
+        Quantity("force_normal", "Force along the wing's normal", newtons, force),
+        Quantity("force_vertical", "Vertical force", newtons, force),
+        Quantity("power", "Mechanical power", watts, power),
+    ]
+    return [*found, MODES] if any(len(run.shape) > 1 for run in runs) else found
 
 
 class Charts:
@@ -53,9 +70,7 @@ class Charts:
 
     def __init__(self, gui: Any, runs: list[Run], theme: Theme, playback: Playback) -> None:
         self.runs = runs
-        self.quantities = list(QUANTITIES)
-        if any(len(run.shape) > 1 for run in runs):
-            self.quantities.append(MODES)
+        self.quantities = quantities(runs)
         self._window: tuple[int, int] | None = None
         self._curves: dict[str, list[Array]] = {}
         self._times: Array = np.zeros(0)

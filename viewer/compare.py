@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from html import escape
 
 from taichiflap.metrics import Summary
+from taichiflap.notation import prefixed
 
 from .colours import Theme
 from .frames import Run
@@ -38,13 +39,14 @@ def differences(first: Run, second: Run) -> list[Difference]:
 
 def _compared(a: Summary, b: Summary) -> Iterator[Difference]:
     for name, unit, attribute in (
-        ("vertical force, mean", "mN", "force_vertical"),
-        ("normal force, peak", "mN", "force_normal_peak"),
-        ("tip deflection, peak", "mm", "tip_peak"),
-        ("power, mean", "mW", "power"),
+        ("vertical force, mean", "N", "force_vertical"),
+        ("normal force, peak", "N", "force_normal_peak"),
+        ("tip deflection, peak", "m", "tip_peak"),
+        ("power, mean", "W", "power"),
     ):
-        one, other = (1e3 * getattr(summary, attribute).mean for summary in (a, b))
-        yield Difference(name, unit, one, other, 100.0 * (other - one) / abs(one) if one else None)
+        one, other = (getattr(summary, attribute).mean for summary in (a, b))
+        factor, shown = prefixed(max(abs(one), abs(other)), unit)
+        yield Difference(name, shown, factor * one, factor * other, 100.0 * (other - one) / abs(one) if one else None)
     if a.force_normal_phase is not None and b.force_normal_phase is not None:
         one, other = a.force_normal_phase, b.force_normal_phase
         # The short way round.
@@ -74,7 +76,7 @@ def table(first: Run, second: Run, theme: Theme) -> str:
     """The differences as an HTML table."""
     rows = "".join(
         f"<tr><td>{one.name.capitalize()}, {one.unit}</td>"
-        f"<td>{one.first:.3g}</td><td>{one.second:.3g}</td><td>{one.change}</td></tr>"
+        f"<td>{one.first:.3g}</td><td>{one.second:.3g}</td><td style='white-space:nowrap'>{one.change}</td></tr>"
         for one in differences(first, second)
     )
     heads = "".join(
@@ -83,5 +85,5 @@ def table(first: Run, second: Run, theme: Theme) -> str:
     )
     return (
         f'<div data-differences style="font-size:11px;padding:0 4px 6px"><table style="width:100%">'
-        f"<tr><th></th>{heads}<th></th></tr>{rows}</table></div>"
+        f"<tr><th></th>{heads}<th style='text-align:left'>change</th></tr>{rows}</table></div>"
     )

@@ -136,9 +136,9 @@ def bar(kind: str, theme: Theme, limits: tuple[float, float]) -> Bar | None:
     spin, speed = limits
     remark = f"its arrows: {REACH:g} chord = {speed:g} m/s"
     if kind == VORTICITY:
-        return Bar("Air: vorticity", theme.vorticity, -spin, spin, "1/s", remark)
+        return Bar("Flow: vorticity", theme.vorticity, -spin, spin, "1/s", remark)
     if kind == SPEED:
-        return Bar("Air: speed", theme.speed, 0.0, speed, "m/s", remark)
+        return Bar("Flow: speed", theme.speed, 0.0, speed, "m/s", remark)
     return None
 
 

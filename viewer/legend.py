@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from html import escape
 
+from taichiflap.notation import prefixed
+
 from .colours import Map, Theme, css
 from .frames import Run
 from .scene import common_ranges
@@ -10,6 +12,7 @@ from .scene import common_ranges
 GRADIENT = "height:10px;border-radius:2px;border:1px solid rgba(128,128,128,.4);background:linear-gradient(90deg,{});"
 ROW = "display:flex;justify-content:space-between;font-size:11px;line-height:1.3;"
 HEAD = "font-size:12px;margin-top:7px;"
+TURN = "+ turns counter-clockwise"
 
 
 @dataclass(frozen=True)
@@ -33,16 +36,17 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
         parts.append(bar_html(Bar("Wing: pressure jump", theme.pressure, -ranges.pressure, ranges.pressure, "Pa")))
     if any(run.has_wake for run in runs):
         limit = 1e3 * ranges.circulation
-        parts.append(bar_html(Bar("Wake: circulation", theme.circulation, -limit, limit, "10⁻³ m²/s")))
+        parts.append(bar_html(Bar("Wake: circulation", theme.circulation, -limit, limit, "10⁻³ m²/s", TURN)))
     elif not several:
         parts.append("No wake: blade elements (DBET) compute none.")
     if background:
         parts.append(bar_html(background))
     colours = (theme.force, theme.load, theme.velocity, theme.faint)
+    factor, unit = prefixed(ranges.force, "N")
     texts = (
-        f"force: 1 chord = {1e3 * ranges.force:g} mN",
+        f"force: 1 chord = {factor * ranges.force:g} {unit}",
         f"local force: ½ chord = {ranges.pressure:g} Pa",
-        f"velocity: ½ chord = {ranges.speed:g} m/s",
+        f"wing's velocity: ½ chord = {ranges.speed:g} m/s",
         "thin line: undeformed" if several else "undeformed; stroke plane",
     )
     swatches = ["" if several else _swatch(css(colour)) for colour in colours]
@@ -75,4 +79,4 @@ def bar_html(bar: Bar) -> str:
 
 
 def _signed(value: float, sign: bool) -> str:
-    return f"{value:+.4g}".replace("-", "−") if value and sign else f"{value:.4g}"
+    return f"{value:+.3g}".replace("-", "−") if value and sign else f"{value:.3g}"

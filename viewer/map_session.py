@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from taichiflap.map_names import named
+from taichiflap.map_names import factor_of, model, named
 from taichiflap.maps import Map, open_map
+from taichiflap.notation import short
 from taichiflap.outcome import COMPLETE, FAILED
 
 from . import camera, map_picture, map_scene
@@ -137,8 +138,8 @@ class MapSession:
         names = named(self.choice.across, sheet), named(self.choice.up, sheet)
         map_scene.draw(client.scene, self.picture, *names, self._theme)
         low, high = self.picture.limits
-        title, _, unit = named(self.choice.colour, sheet).partition(" (")
-        bar = bar_html(Bar(escape(title), METRIC, _digits(low), _digits(high), unit.rstrip(")") or "no unit"))
+        title, unit = _title_and_unit(self.choice.colour, sheet)
+        bar = bar_html(Bar(title, METRIC, _digits(low), _digits(high), unit or "no unit"))
         self._legend.content = (
             f'<div data-legend style="padding:4px;line-height:1.45;font-size:12px">{bar}'
             f"Grey: a case without this metric. {FRONT if self.picture.fronts else ''}A click on a case opens it.</div>"
@@ -192,7 +193,7 @@ class MapSession:
 
 def _headline(sheet: Map) -> str:
     status = sheet.status
-    counts = [f"{sheet.design.size:,} cases"]
+    counts = [*filter(None, [model(sheet)]), f"{sheet.design.size:,} cases"]
     counts += [f"{count:,} to run" for count in [int(np.sum((status != COMPLETE) & (status != FAILED)))] if count]
     counts += [f"{count:,} failed" for count in [int(np.sum(status == FAILED))] if count]
     name = escape(sheet.case.title or (sheet.path.stem if sheet.path else ""))
@@ -202,14 +203,21 @@ def _headline(sheet: Map) -> str:
 def _case_lines(sheet: Map, number: int, metric: str) -> list[str]:
     """A case in words: its number, what makes it, its metric, or why it has none."""
     outcome = sheet.outcomes([number])[0]
-    lines = [f"<b>Case {number}</b>", *map(escape, sheet.design.settings(number))]
+    point = sheet.design.point(number)
+    lines = [f"<b>Case {number}</b>", *(escape(f"{key} = {short(value)}") for key, value in point.items())]
     if outcome is None:
         lines.append("not run by the study yet")
     elif outcome.reason:
         lines.append(escape(outcome.reason))
     else:
-        lines.append(f"{escape(metric.replace('_', ' '))} = {outcome.metrics[metric]:.4g} {sheet.units(metric)}")
+        title, unit = _title_and_unit(metric, sheet)
+        lines.append(f"{title} = {factor_of(sheet, metric) * outcome.metrics[metric]:.4g} {unit}")
     return lines
+
+
+def _title_and_unit(name: str, sheet: Map) -> tuple[str, str]:
+    title, _, unit = named(name, sheet).partition(" (")
+    return escape(title), unit.rstrip(")")
 
 
 def _lines(lines: list[str]) -> str:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from taichiflap.notation import prefixed
+
 from . import wire
 from .colours import Rgb, Theme, linear, rgb
 from .frames import Array, Frame, Run
@@ -29,7 +31,7 @@ LAYERS = {
     "ghost": ("Undeformed", "where the chord would be, were the wing rigid"),
     "stroke": ("Stroke plane", "and the path of the pivot in it"),
     "force": ("Force", "the fluid's force on the whole wing"),
-    "velocity": ("Velocity", "of points of the wing, through the air"),
+    "velocity": ("Velocity", "of points of the wing, through the fluid"),
     "load": ("Local force", "the fluid's force along the chord"),
 }
 """Title of each layer, and what it is."""
@@ -237,13 +239,14 @@ class Stage:
             ),
         ]  # fmt: skip
         left, bottom, right, top = (float(edge) for edge in run.box)
+        factor, unit = prefixed(run.chord, "m")
         bar = np.array([[right - 1.0, bottom + 0.1], [right, bottom + 0.1]])
         ends = np.concatenate([polyline(end + np.array([[0.0, -0.05], [0.0, 0.05]]), FORCE) for end in bar])
         scene.add_line_segments(
             "/scale/bar", np.concatenate((polyline(bar, FORCE), ends)), theme.ink, thickness=2.0, **screen
         )
         scene.add_label(
-            "/scale/label", f"1 chord = {1e3 * run.chord:g} mm", position=(right - 0.5, FORCE, bottom + 0.16),
+            "/scale/label", f"1 chord = {factor * run.chord:g} {unit}", position=(right - 0.5, FORCE, bottom + 0.16),
             anchor="bottom-center",
         )  # fmt: skip
         self.time = scene.add_label(

@@ -204,7 +204,9 @@ class Session:
 
     def _headline(self, text: str) -> str:
         milliseconds = 1e3 * self.playback.frame * self.run.case.step * self.run.case.output.every
-        state = {"running": "being computed", "failed": "stopped: the computation failed"}.get(self.run.status, "")
+        # What went wrong; where exactly, and what is likely to help, `info` tells.
+        reason = str(self.run.result.attributes.get("reason", "")).partition(". Likely")[0].partition(";")[0]
+        state = {"running": "being computed", "failed": f"failed: {escape(reason)}"}.get(self.run.status, "")
         several = len(self.runs) > 1
         title = " against ".join(escape(run.label if several else run.title) for run in self.runs)
         model = " against ".join(run.case.model for run in self.runs)

@@ -144,7 +144,7 @@ def optimise(
         hdf.note(ledger.sheet.file, {"objective": aim.text, "conditions": "; ".join(subject_to)})
         search = _Search(ledger, spreads, aim, -1.0 if maximise else 1.0)
         search.conditions = conditions
-        generation = 0
+        generation = 1  # the first fills the cube, and is not told
 
         def tell(intermediate_result: Any) -> None:
             nonlocal generation
