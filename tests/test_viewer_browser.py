@@ -310,6 +310,13 @@ def test_the_charts_axes_have_numbers(serve, look):
     page.get_by_label("Dark", exact=True).click()
     page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
     page.wait_for_function(numbered)
+    # It is playing: a page that is sent new data meanwhile must not lose the curves from its axes.
+    page.wait_for_function(f"() => {CHARTS}.length === 4 && {CHARTS}.every(c => {shows_all('c')})")
+    before = page.evaluate(f"() => {CHARTS}.map(c => c.data[2].findIndex(v => !isNaN(v)))")
+    page.wait_for_function(
+        f"old => {CHARTS}.every((c, i) => c.data[2].findIndex(v => !isNaN(v)) !== old[i])", arg=before
+    )
+    assert page.evaluate(f"() => {CHARTS}.every(c => {shows_all('c')})")
 
 
 def test_dbet_says_that_it_has_no_wake(serve, look):

@@ -64,11 +64,13 @@ class Charts:
     """The charts of one browser.
 
     Args:
-        gui: where to add them.
+        gui: what adds them.
+        tab: where they stand, below all else.
         runs: one result, or two to compare; the first sets the times.
     """
 
-    def __init__(self, gui: Any, runs: list[Run], theme: Theme, playback: Playback) -> None:
+    def __init__(self, gui: Any, tab: Any, runs: list[Run], theme: Theme, playback: Playback) -> None:
+        self._gui, self._tab = gui, tab
         self.runs = runs
         self.quantities = quantities(runs)
         self._window: tuple[int, int] | None = None
@@ -76,19 +78,23 @@ class Charts:
         self._times: Array = np.zeros(0)
         self._nudge = 0.0
         self._load(playback)
-        self.handles = {
-            quantity.name: gui.add_uplot(
-                self._data(quantity, playback.frame),
-                self._series(quantity, theme),
-                title=f"{quantity.title}, {quantity.unit}",
-                scales={"x": {"time": False}},
-                axes=({"size": 26, "space": 40}, {"size": 46, "space": 17}),
-                legend={"show": False},
-                height=HEIGHT,
-                padding=(8, 14, 0, 0),
-            )
-            for quantity in self.quantities
-        }
+        self.handles = self._add(theme, playback)
+
+    def _add(self, theme: Theme, playback: Playback) -> dict[str, Any]:
+        with self._tab:
+            return {
+                quantity.name: self._gui.add_uplot(
+                    self._data(quantity, playback.frame),
+                    self._series(quantity, theme),
+                    title=f"{quantity.title}, {quantity.unit}",
+                    scales={"x": {"time": False}},
+                    axes=({"size": 26, "space": 40}, {"size": 46, "space": 17}),
+                    legend={"show": False},
+                    height=HEIGHT,
+                    padding=(8, 14, 0, 0),
+                )
+                for quantity in self.quantities
+            }
 
     def show(self, playback: Playback, again: bool = False) -> None:
         """Move the dots to the frame shown; `again` reads the curves anew, from a file that has grown."""
@@ -97,10 +103,15 @@ class Charts:
         for quantity in self.quantities:
             wire.send(self.handles[quantity.name], data=self._data(quantity, playback.frame))
 
-    def colour(self, theme: Theme) -> None:
-        """Draw in the colours of another theme."""
-        for quantity in self.quantities:
-            self.handles[quantity.name].series = self._series(quantity, theme)
+    def colour(self, theme: Theme, playback: Playback) -> None:
+        """Draw in the colours of another theme, in new charts.
+
+        A page makes a chart anew for a theme, and again for other lines. If it does both at once, it takes the time
+        axis of a chart that it never drew for one that somebody has moved, and keeps it: from 0 to 1, with no curve.
+        """
+        for handle in self.handles.values():
+            handle.remove()
+        self.handles = self._add(theme, playback)
 
     def _load(self, playback: Playback, again: bool = False) -> None:
         """Read the curves if they are others than before."""

@@ -56,8 +56,7 @@ class Session:
         with client.atomic():
             self._set_theme()
             self.panel = Panel(client, self.run, playback, self.act)
-            with self.panel.chart_tab:
-                self.charts = Charts(client.gui, self.runs, self.theme, playback)
+            self.charts = Charts(client.gui, self.panel.chart_tab, self.runs, self.theme, playback)
             self._build()
             self.view = camera.View(client, self.run.box)
         if not camera.lock_rotation(client):
@@ -164,7 +163,7 @@ class Session:
         self.playback.dark = bool(dark)
         with self.client.atomic():
             self._set_theme()
-            self.charts.colour(self.theme)
+            self.charts.colour(self.theme, self.playback)
             self._build()
 
     _deeds: dict[str, Callable[["Session", Any], None]] = {  # noqa: RUF012 - the same for all
