@@ -40,7 +40,7 @@ def draw(path):
     figure, ax = plt.subplots(figsize=(6, 3.5), layout="constrained")
     ax.plot(fine, [mean_thrust(k, plunge=1.0) for k in fine], color="0.6", linewidth=4, label="Garrick")
     ax.plot(FREQUENCIES, compute(), "o", label="UVLM, with suction")
-    ax.set(xlabel="reduced frequency", ylabel="mean thrust coefficient / (h/c)²")
+    ax.set(xlabel="reduced frequency, k = πfc/U", ylabel="mean thrust coefficient / (h/c)²")
     ax.legend()
     figure.savefig(path)
 

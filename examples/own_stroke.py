@@ -32,7 +32,7 @@ def draw(path):
         y, z = 1e3 * result.node_position[-beat - 1 + frame].T
         axes[0].plot(z, -y, color=plt.cm.viridis(2.0 * frame / beat))
         axes[0].plot(z[0], -y[0], "ko", markersize=3)
-    axes[0].set(xlabel="Z (mm)", ylabel="up (mm)", aspect="equal", title="half a stroke; dots: leading edge")
+    axes[0].set(xlabel="Z (mm)", ylabel="up (mm)", aspect="equal", title="half a beat, dark to light; dots: pivot")
     turns = np.arange(beat + 1) / beat
     axes[1].plot(turns, 1e3 * result.force_vertical[-beat - 1 :])
     axes[1].set(xlabel="t/T", ylabel="vertical force (mN)")

@@ -36,8 +36,8 @@ def draw(path):
     figure, ax = plt.subplots(figsize=(6, 3.5), layout="constrained")
     ax.plot(s, [wagner(one) for one in s], color="0.6", linewidth=4, label="Wagner")
     ax.plot(s[1:], lift[1:], label="UVLM, 20 panels")
-    ax.set(xlabel="way (half-chords)", ylabel="lift over steady lift", ylim=(0.0, 1.0))
-    ax.legend()
+    ax.set(xlabel="distance travelled, s = 2Ut/c (half-chords)", ylabel="lift over steady lift", ylim=(0.0, 1.0))
+    ax.legend(loc="lower right")
     figure.savefig(path)
     print("largest difference beyond s = 1:", np.abs(lift - np.vectorize(wagner)(s))[s > 1.0].max())
 

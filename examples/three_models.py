@@ -10,7 +10,8 @@ import matplotlib.pyplot as plt
 import taichiflap
 from taichiflap.case import parse_case
 
-SOLVERS = ("uvlm", "module:theodorsen", "dbet")
+MODELS = {"uvlm": ("UVLM", "-"), "module:theodorsen": ("Theodorsen", "--"), "dbet": ("DBET", "-")}
+"""Name and line of each."""
 CASE = {
     "wing": {"chord": 0.1, "span": 0.3, "thickness": 1e-3, "density": 1e3, "youngs_modulus": 2e8, "modes": 1},
     "motion": {"frequency": 2.0, "plunge": {"amplitude": 0.005}},
@@ -21,16 +22,16 @@ CASE = {
 
 def compute():
     """One result a model."""
-    return [taichiflap.simulate(parse_case({"solver": solver, **CASE})) for solver in SOLVERS]
+    return [taichiflap.simulate(parse_case({"solver": solver, **CASE})) for solver in MODELS]
 
 
 def draw(path):
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.2), layout="constrained")
-    for result in compute():
+    for result, (name, line) in zip(compute(), MODELS.values(), strict=True):
         beat = slice(-101, None)
         turns = result.time[beat] / result.case.beat - 4.0
-        left.plot(turns, 1e3 * result.force_normal[beat], label=result.case.model)
-        right.plot(turns, 1e3 * result.tip_deflection[beat], label=result.case.model)
+        left.plot(turns, 1e3 * result.force_normal[beat], line)
+        right.plot(turns, 1e3 * result.tip_deflection[beat], line, label=name)
     left.set(xlabel="t/T", ylabel="normal force (mN)")
     right.set(xlabel="t/T", ylabel="tip deflection (mm)")
     right.legend()
