@@ -4,7 +4,7 @@ CANDIDATES := python3 python3.13 python3.12 python3.11
 FITS = -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))' 2>/dev/null
 PYTHON ?= $(firstword $(foreach p,$(CANDIDATES),$(if $(filter ok,$(shell $(p) $(FITS) && echo ok)),$(p))))
 BIN := .venv/bin
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+INSTALL := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 .PHONY: hawkmoth view test test-fast browser lint bench bench-view crash-test fuzz endurance mutants docs reports package clean
 
@@ -79,8 +79,6 @@ clean:  ## remove the environment and what runs left here
 	@test -n "$(PYTHON)" || { echo "taichiflap needs Python 3.11, 3.12 or 3.13; found none of $(CANDIDATES)"; exit 1; }
 	@echo "Making .venv with $(PYTHON) ..."
 	@$(PYTHON) -m venv .venv || { rm -rf .venv; echo "On Debian: apt-get install python3-venv"; exit 1; }
-	@# The pip that comes with Python 3.11 takes minutes of processor time where this one takes seconds.
-	@$(INSTALL) --upgrade pip || echo "*** pip could not be renewed: THE INSTALLATION TAKES MINUTES LONGER. ***"
 
 .venv/.run: .venv/bin/python pyproject.toml constraints.txt
 	@echo "Installing taichiflap ..."
@@ -94,7 +92,7 @@ clean:  ## remove the environment and what runs left here
 
 .venv/.dev: .venv/.run
 	@echo "Installing the tools of development ..."
-	@$(INSTALL) --editable ".[dev]"
+	@$(INSTALL) --editable ".[cluster,dev,docs,video,xarray]"
 	@touch $@
 
 .venv/.mutants: .venv/.dev
