@@ -1,12 +1,14 @@
 """Changes the physics in pure Python with mutmut, and prints the share of mutants that the tests notice, by module.
 
-Names of mutants on the command line (`taichiflap.motion.*`) are tried anew; without any, those not tried yet. A mutant
-is noticed when a test fails, or runs until it is stopped. Exit code 1 if a module is below the share asked for.
+With names on the command line (`taichiflap.motion.*`) those are tried anew, and others are as they were. A mutant is
+noticed when a test fails, or runs until it is stopped. Exit code 1 if a module is below the share asked for.
 """
 
 import collections
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import libcst.matchers as match
 from mutmut.__main__ import cli
@@ -26,6 +28,11 @@ def with_cached_functions(skip):
 
 def try_mutants(names):
     """Run mutmut in this process, which forks two others."""
+    if names:
+        # Which tests reach what has changed, mutmut asks for new tests only.
+        Path("mutants/mutmut-stats.json").unlink(missing_ok=True)
+    else:
+        shutil.rmtree("mutants", ignore_errors=True)
     MutationVisitor._skip_node_and_children = with_cached_functions(MutationVisitor._skip_node_and_children)
     cli(["run", "--max-children", "2", *names], standalone_mode=False)
 
