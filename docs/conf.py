@@ -80,7 +80,13 @@ def write(name: str, text: str) -> None:
 def setup(app: Any) -> None:
     """Write what is generated, and register the drawing of equations."""
     write_generated()
+    app.connect("autodoc-skip-member", left_out)
     app.add_html_math_renderer("drawn", (inline_equation, None), (displayed_equation, None))
+
+
+def left_out(app: Any, what: str, name: str, obj: Any, skip: bool, options: Any) -> bool | None:
+    """What autodoc shows of every class but nobody calls: `__new__`, and how pydantic begins."""
+    return True if name == "__new__" or str(getattr(obj, "__module__", "")).startswith("pydantic") else None
 
 
 def inline_equation(translator: Any, node: Any) -> None:

@@ -23,6 +23,9 @@ LABELS = {
     "lift_per_power": "Lift per power",
     "tip_peak_mean": "Peak tip deflection",
     "wing.youngs_modulus": "Young's modulus",
+    "wing.thickness": "Thickness",
+    "motion.frequency": "Flapping frequency",
+    "motion.plunge.amplitude": "Plunge amplitude",
     "motion.pitch.amplitude_deg": "Pitch amplitude",
 }
 

@@ -175,7 +175,7 @@ def pareto(sheet: Map) -> Figure:
             color=colour,
             markersize=3,
             linewidth=1,
-            label=title or "Pareto front",
+            label=", ".join(filter(None, ("Pareto front", title))),
         )
     ax.set_xlabel("Mean power (mW)")
     ax.set_ylabel("Mean vertical force (mN)")

@@ -9,6 +9,7 @@ from .map_names import model
 from .maps import Map
 from .notation import short
 from .outcome import COMPLETE, FAILED
+from .plausible import BENT
 
 SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
 """Metrics whose range is printed."""
@@ -22,6 +23,7 @@ def map_lines(sheet: Map) -> Iterator[str]:
     lines = list(_labelled(sheet))
     width = max(len(label) for label, _ in lines)
     yield from (f"  {label:<{width}}  {text}" for label, text in lines)
+    yield from (f"warning: {doubt}" for doubt in _doubts(sheet))
 
 
 def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
@@ -40,12 +42,28 @@ def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
         yield "failed", f"{', '.join(design.settings(number))}: {outcome and outcome.reason}"
 
 
+def _doubts(sheet: Map) -> Iterator[str]:
+    """How many cases are beyond what the models are good for, or not at rest yet."""
+    complete = sheet.status == COMPLETE
+    if "tip_peak_mean" in sheet.metrics and not any(axis.key == "wing.chord" for axis in sheet.design.axes):
+        bent = np.sum(sheet.values("tip_peak_mean").ravel()[complete] > BENT * sheet.case.wing.chord)
+        if bent:
+            yield (
+                f"in {bent:,} of {complete.sum():,} cases the trailing edge bends by more than {BENT:g} chords, "
+                "where the linear beam errs by more than a tenth"
+            )
+    if "settled" in sheet.metrics:
+        restless = np.sum(sheet.values("settled").ravel()[complete] == 0.0)
+        if restless:
+            yield f"in {restless:,} of {complete.sum():,} cases the beats have not settled (metric settled)"
+
+
 def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:
     values = sheet.values(name).ravel()
     if np.isnan(values).all():
         return
     for word, number in (("least", int(np.nanargmin(values))), ("most", int(np.nanargmax(values)))):
-        found = f"{values[number]:.4g} {sheet.units(name)}"
+        found = f"{values[number]:.4g} {sheet.units(name).replace(' W-1', '/W')}"
         yield name if word == "least" else "", f"{word:<5} {found} at {_where(sheet.design, number)}"
 
 

@@ -54,13 +54,7 @@ def warnings(case: Case) -> list[str]:
 
 def outcome(case: Case, tip_deflection: NDArray[np.float64]) -> list[str]:
     """What is implausible about what came of a case, one sentence each; an empty list when nothing is."""
-    found = []
-    bent = np.abs(tip_deflection).max(initial=0.0) / case.wing.chord
-    if bent > BENT:
-        found.append(
-            f"the trailing edge bends by up to {bent:.2g} chords: "
-            f"beyond {BENT:g} the linear beam errs by more than a tenth"
-        )
+    found = list(too_bent(float(np.abs(tip_deflection).max(initial=0.0)), case.wing.chord))
     if case.solver == "uvlm":
         angle = _angle(case)
         if angle > ATTACHED:
@@ -69,6 +63,16 @@ def outcome(case: Case, tip_deflection: NDArray[np.float64]) -> list[str]:
                 "it separates at the leading edge, of which UVLM knows nothing"
             )
     return found
+
+
+def too_bent(tip_peak: float, chord: float) -> Iterator[str]:
+    """A sentence on a largest tip deflection (m) that a linear beam is not good for."""
+    bent = tip_peak / chord
+    if bent > BENT:
+        yield (
+            f"the trailing edge bends by up to {bent:.2g} chords: "
+            f"beyond {BENT:g} the linear beam errs by more than a tenth"
+        )
 
 
 def _of_mass(case: Case) -> Iterator[str]:

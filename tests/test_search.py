@@ -8,13 +8,14 @@ import taichiflap
 from taichiflap import map_plots, maps
 from taichiflap.design import DesignError, design
 from taichiflap.errors import UserError
+from taichiflap.map_report import map_lines
 from taichiflap.maps import MapError
 from taichiflap.outcome import Outcome
 from taichiflap.pareto import pareto_front
 from taichiflap.studies import converge as convergence
 from taichiflap.studies.converge import ConvergeError, converge, read_tolerance
 from taichiflap.studies.expression import ExpressionError, read_constraint, read_expression
-from taichiflap.studies.optimise import optimise
+from taichiflap.studies.optimise import optimise, verdict
 from taichiflap.studies.quantities import QUANTITIES
 
 pytestmark = pytest.mark.slow
@@ -94,6 +95,9 @@ def test_the_optimum_of_a_bowl_is_its_bottom_or_the_edge_of_what_is_allowed(monk
     narrow = {**RANGES, "motion.pitch.amplitude_deg": "5:15"}
     edged = optimise(hawkmoth(*SHORT), narrow, minimise="power_mean", population=16)
     assert edged.at_edge == ["motion.pitch.amplitude_deg"]
+    said = verdict(edged, "optimum.h5")
+    assert any(line.startswith("motion.pitch.amplitude_deg = 1") and "edge of its range" in line for line in said)
+    assert any("bends by up to 50 chords" in line for line in said)  # the pretended 1 m
     impossible = optimise(
         hawkmoth(*SHORT), RANGES, minimise="power_mean", subject_to=["power_mean <= 0.5"], population=8, generations=5
     )
@@ -224,6 +228,18 @@ def filled(vary, values, sample=None):
         range(planned.size), [Outcome(dict.fromkeys(QUANTITIES, 1.0) | values(i)) for i in range(planned.size)]
     )
     return sheet
+
+
+def test_a_map_in_words_counts_what_is_not_to_be_trusted():
+    tips, settled = (0.001, 0.0059, 0.0061, 0.05), (1.0, 1.0, 0.0, np.nan)  # m, of a chord of 0.02
+    values = lambda i: {"tip_peak_mean": tips[i], "settled": settled[i]}  # noqa: E731
+    lines = list(map_lines(filled({"wing.youngs_modulus": "15e9:60e9:4"}, values)))
+    assert "  model                UVLM" in lines
+    assert any("15e9 to 60e9 Pa, 4 values" in line for line in lines)
+    assert any("most  0.05 m at wing.youngs_modulus = 60e9" in line for line in lines)
+    bent, restless = (line for line in lines if line.startswith("warning: "))
+    assert "in 2 of 4 cases the trailing edge bends by more than 0.3 chords" in bent
+    assert "in 1 of 4 cases the beats have not settled" in restless
 
 
 def test_no_point_of_a_pareto_front_is_beaten_and_all_others_are(rng):

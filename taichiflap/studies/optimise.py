@@ -11,6 +11,7 @@ from .. import hdf
 from ..case import Case
 from ..design import Axis, Design, DesignError, Spread, Value
 from ..notation import short
+from ..plausible import too_bent
 from .expression import Expression, read_constraint, read_expression
 from .ledger import Ledger
 from .quantities import QUANTITIES
@@ -34,6 +35,7 @@ class Optimum:
         metrics: all of its metrics.
         holds: whether it meets every condition.
         evaluations: how many cases the search looked at.
+        doubts: what is implausible about it, a sentence each.
         at_edge: the keys whose value is at an edge of its range, so that a better case may lie beyond.
         converged: whether the population came together before the last generation.
     """
@@ -43,6 +45,7 @@ class Optimum:
     metrics: dict[str, float]
     holds: bool
     evaluations: int
+    doubts: list[str]
     at_edge: list[str]
     converged: bool = False
 
@@ -89,7 +92,9 @@ class _Search:
             if metrics:
                 values = dict(zip(self.spreads, point, strict=True))
                 edge = [key for key, value in values.items() if self.spreads[key].at_edge(value)]
-                return Optimum(values, self.sign * cost, metrics, margin >= 0.0, len(self.seen), edge)
+                chord = float(values.get("wing.chord", self.ledger.sheet.case.wing.chord))
+                doubts = list(too_bent(metrics["tip_peak_mean"], chord))
+                return Optimum(values, self.sign * cost, metrics, margin >= 0.0, len(self.seen), doubts, edge)
         return None
 
 
@@ -196,12 +201,14 @@ def verdict(best: Optimum | None, path: Path) -> list[str]:
     """What the search found, in lines."""
     if best is None:
         return ["no case came to its end: there is no best one"]
-    shown = [f"  {name:<24}{best.metrics[name]:.6g} {QUANTITIES[name].units}" for name in SHOWN]
+    units = {name: QUANTITIES[name].units.replace(" W-1", "/W") for name in SHOWN}
+    shown = [f"  {name:<24}{best.metrics[name]:.6g} {units[name]}" for name in SHOWN]
     stopped = "the population came together" if best.converged else "the last generation was reached"
     return [
         f"{best.evaluations} cases looked at, {stopped}; all of them are in {path}",
         f"{'best case' if best.holds else 'NO CASE MEETS THE CONDITIONS; the closest'}: {best.value:.6g}",
         *shown,
+        *(f"warning: {doubt}" for doubt in best.doubts),
         *(
             f"{key} = {short(best.point[key])} is at the edge of its range: better may lie beyond"
             for key in best.at_edge
