@@ -24,7 +24,8 @@ def summary_lines(result: Result, said: Collection[str] = ()) -> Iterator[str]:
     case = result.case
     attributes = result.attributes
     yield case.title or "(no title)"
-    yield _line("file", f"{result.path or 'in memory'}, {attributes['status']}, {result.frames} frames")
+    status = "running or interrupted" if result.status == "running" else result.status
+    yield _line("file", f"{result.path or 'in memory'}, {status}, {result.frames} frames")
     yield _line("model", _model(case))
     yield _line("wing", _wing(case, result))
     yield _line("motion", _motion(case))

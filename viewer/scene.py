@@ -234,7 +234,7 @@ class Stage:
                 thickness=2.5, **screen,
             ),
             scene.add_label(
-                "/stroke/label", "stroke plane", position=(wide, PLANE, 0.05), anchor="bottom-right",
+                "/stroke/label", "stroke plane", position=(wide + 0.05, PLANE, 0.0), anchor="center-left",
                 font_screen_scale=0.9,
             ),
         ]  # fmt: skip
@@ -246,8 +246,8 @@ class Stage:
             "/scale/bar", np.concatenate((polyline(bar, FORCE), ends)), theme.ink, thickness=2.0, **screen
         )
         scene.add_label(
-            "/scale/label", f"1 chord = {factor * run.chord:g} {unit}", position=(right - 0.5, FORCE, bottom + 0.16),
-            anchor="bottom-center",
+            "/scale/label", f"1 chord = {factor * run.chord:g} {unit}", position=(right, FORCE, bottom + 0.16),
+            anchor="bottom-right",
         )  # fmt: skip
         self.time = scene.add_label(
             "/time", " ", position=(0.5 * (left + right), FORCE, top), anchor="top-center", font_screen_scale=1.2
