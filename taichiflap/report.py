@@ -143,7 +143,7 @@ def _model(case: Case) -> str:
 def _wing(case: Case, result: Result) -> str:
     factor, unit = prefixed(case.wing.chord, "m")
     size = f"chord {factor * case.wing.chord:g} {unit}, span {_span(case)}"
-    frequencies = ", ".join(f"{f:.2f}" for f in result.modes.get("frequency", ()))
+    frequencies = ", ".join(f"{f:.4g}" for f in result.modes.get("frequency", ()))
     return f"{size}, {f'modes at {frequencies} Hz' if frequencies else 'rigid'}"
 
 

@@ -16,7 +16,7 @@ import pytest
 import viser
 import zstandard
 from conftest import CASES, hawkmoth
-from taichiflap_viewer import Viewer, ViewError, app, camera, compare, field, timeline, wire
+from taichiflap_viewer import Viewer, ViewError, app, camera, charts, compare, field, timeline, wire
 from taichiflap_viewer.colours import DARK, LIGHT, linear
 from taichiflap_viewer.frames import Run
 from taichiflap_viewer.scene import set_up
@@ -406,6 +406,29 @@ def command(tmp_path):
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
+
+
+def test_in_a_stream_charts_and_differences_are_of_lift_and_thrust(tmp_path):
+    settings = (
+        "time.periods=2",
+        "time.steps_per_period=40",
+        "wing.modes=0",
+        "solver=dbet",
+        "fluid.velocity=[1.0, 0.5]",
+    )
+    result = taichiflap.simulate(hawkmoth(*settings), tmp_path / "stream.h5")
+    run = Run(result, "stream")
+    shown = {one.name: one for one in charts.quantities([run])}
+    assert list(shown) == ["plunge", "lift", "thrust", "power"]  # a wing that does not bend
+    times, lift = charts._series(run, "lift", 0, run.frames - 1)
+    _, thrust = charts._series(run, "thrust", 0, run.frames - 1)
+    np.testing.assert_allclose(lift**2 + thrust**2, result.force_y**2 + result.force_z**2)
+    assert len(times) == run.frames
+    names = [one.name for one in compare.differences(run, run)]
+    assert names[:2] == ["lift, mean", "thrust, mean"]
+    summary = taichiflap.summarise(result)
+    assert compare.differences(run, run)[1].first == pytest.approx(1e3 * summary.thrust.mean)
+    run.close()
 
 
 def test_view_says_which_port_it_takes_and_what_differs(folder, command):

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from taichiflap.metrics import in_stream
 from taichiflap.notation import prefixed
 from taichiflap.variables import VARIABLES
 
@@ -40,6 +41,11 @@ class Quantity:
 MODES = Quantity("q", "Modal amplitudes", f"10⁻³ {VARIABLES['q'].units}", 1e3)
 
 
+FORCES = (("force_normal", "Force along the wing's normal"), ("force_vertical", "Vertical force"))
+IN_STREAM = (("lift", "Lift across the stream"), ("thrust", "Thrust against the stream"))
+"""Forces that are shown, and their titles."""
+
+
 def quantities(runs: list[Run]) -> list[Quantity]:
     """What the charts of some results show, in units that suit the largest."""
     ranges = common_ranges(runs)
@@ -51,10 +57,10 @@ def quantities(runs: list[Run]) -> list[Quantity]:
         plunges = any(run.path[0] < run.path[1] for run in runs)
         degrees = 180.0 / math.pi
         first = Quantity("plunge", "Plunge", metres, length) if plunges else Quantity("pitch", "Pitch", "deg", degrees)
+    shown = IN_STREAM if all(any(run.case.fluid.velocity) for run in runs) else FORCES
     found = [
         first,
-        Quantity("force_normal", "Force along the wing's normal", newtons, force),
-        Quantity("force_vertical", "Vertical force", newtons, force),
+        *(Quantity(name, title, newtons, force) for name, title in shown),
         Quantity("power", "Mechanical power", watts, power),
     ]
     return [*found, MODES] if any(len(run.shape) > 1 for run in runs) else found
@@ -135,9 +141,9 @@ class Charts:
         start, end = (index / self.runs[0].frames_per_beat for index in self._window)
         curves: list[Array] = []
         for run in self.runs:
-            if quantity.name not in run.variables:
+            if quantity.name not in (*run.variables, *dict(IN_STREAM)):
                 continue
-            times, values = run.series(quantity.name, run.index_at(start), run.index_at(end), POINTS)
+            times, values = _series(run, quantity.name, run.index_at(start), run.index_at(end))
             for curve in np.atleast_2d(values.T):
                 curves.append(quantity.factor * np.interp(self._times, times, curve, right=np.nan))
         return curves
@@ -171,6 +177,15 @@ class Charts:
             {"stroke": ink, "points": {"show": True, "size": 8, "fill": colour}, "auto": False} for colour in colours
         ]
         return ({"label": "t/T"}, *lines, *dots)
+
+
+def _series(run: Run, name: str, first: int, last: int) -> tuple[Array, Array]:
+    """Times (beats) and values of a variable, or of a force in a stream."""
+    if name not in ("lift", "thrust"):
+        return run.series(name, first, last, POINTS)
+    (times, y), (_, z) = (run.series(part, first, last, POINTS) for part in ("force_y", "force_z"))
+    lift, thrust = in_stream(run.case, np.asarray(y, dtype=float), np.asarray(z, dtype=float))
+    return times, lift if name == "lift" else thrust
 
 
 def caption(runs: list[Run], theme: Theme) -> str:

@@ -38,8 +38,10 @@ def differences(first: Run, second: Run) -> list[Difference]:
 
 
 def _compared(a: Summary, b: Summary) -> Iterator[Difference]:
+    hover = [("vertical force, mean", "N", "force_vertical")]
+    stream = [("lift, mean", "N", "lift"), ("thrust, mean", "N", "thrust")]
     for name, unit, attribute in (
-        ("vertical force, mean", "N", "force_vertical"),
+        *(stream if a.lift and b.lift else hover),
         ("normal force, peak", "N", "force_normal_peak"),
         ("tip deflection, peak", "m", "tip_peak"),
         ("power, mean", "W", "power"),
