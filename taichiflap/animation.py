@@ -182,7 +182,7 @@ class Film:
     def _draw_ground(self, result: Result, slower: float, width: float, height: float, right: float) -> None:
         figure, axes, chord = self._figure, self._axes, self.chord
         title = f"{scene.label(result)}   ({result.case.model}, {slower:.0f} times slower than life)"
-        figure.text(
+        head = figure.text(
             0.5,
             1.0 - 26.0 / height,
             title,
@@ -192,6 +192,8 @@ class Film:
             color=self.theme.muted,
             parse_math=False,
         )
+        # A long title shrinks until it fits a narrow page.
+        head.set_fontsize(11 * min(1.0, 0.97 * figure.bbox.width / head.get_window_extent().width))
         axes.plot(self._sway, [0.0, 0.0], color=self.theme.muted, linewidth=0.8, linestyle=(0, (5, 4)))
         left, _, bottom, top = self.shared.page
         start, base = left + 0.25 * chord, bottom + 0.2 * chord

@@ -146,7 +146,8 @@ def bounds(frames: list[Frame], case: Case) -> Bounds:
     far = chord * (FAR_IN_STREAM if any(case.fluid.velocity) else FAR)
     near = ((wake > wings.min(axis=0) - far) & (wake < wings.max(axis=0) + far)).all(axis=1)
     wake, circulation = wake[near], np.concatenate([f.circulation for f in frames])[near]
-    limit = symmetric_limit(circulation)
+    # Of the last beat: what a full wake has absorbed is many times as strong as what a wing sheds.
+    limit = symmetric_limit(np.concatenate([f.circulation[-round(case.steps_per_beat) :] for f in frames]))
     if len(wake):
         shown.append(np.quantile(wake, (OUTLYING, 1.0 - OUTLYING), axis=0))
     else:

@@ -144,8 +144,8 @@ def test_the_page_ends_near_the_wing_and_its_colours_are_of_what_it_shows(lattic
     frames = [scene.frame(lattice, int(index)) for index in scene.last_beats(lattice)]
     near = scene.bounds(frames, lattice.case)
     first = frames[0]
-    away = np.vstack([first.wake, first.wing.mean(axis=0) - np.array([0.0, 1.0])])  # fifty chords below
-    strong = np.append(first.circulation, 1e3 * np.abs(first.circulation).max())
+    away = np.vstack([first.wing.mean(axis=0) - np.array([0.0, 1.0]), first.wake])  # fifty chords below, and old
+    strong = np.insert(first.circulation, 0, 1e3 * np.abs(first.circulation).max())
     far = [dataclasses.replace(first, wake=away, circulation=strong), *frames[1:]]
     assert scene.bounds(far, lattice.case) == near
 

@@ -260,7 +260,7 @@ class Run:
         """Ranges and first view, from frames of the last beat."""
         first = max(0, round(self.frames - 1 - self.frames_per_beat))
         picked = np.unique(np.linspace(first, self.frames - 1, SURVEYED).astype(int))
-        return survey([self._read(int(index)) for index in picked])
+        return survey([self._read(int(index)) for index in picked], round(self.case.steps_per_beat))
 
 
 def _on_screen(y: Array, z: Array, scale: float) -> Array:

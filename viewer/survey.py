@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from .frames import Array, Frame
@@ -28,21 +27,18 @@ class Ranges:
     speed: float
 
 
-def survey(frames: Sequence["Frame"]) -> tuple[Ranges, "Array"]:
-    """Ranges, and the box (left, bottom, right, top; chords) of the first view."""
-    box, near = _first_view(frames)
-    circulation = np.concatenate([frame.circulation for frame in frames])
+def survey(frames: Sequence["Frame"], shed: int) -> tuple[Ranges, "Array"]:
+    """Ranges, and the box (left, bottom, right, top; chords) of the first view.
+
+    The colours of the wake go by the last `shed` vortices, those of a beat: what a full wake has absorbed is many times
+    as strong.
+    """
     ranges = Ranges(
-        circulation=_nice(_percentile([circulation[near]], 97)),
+        circulation=_nice(_percentile([frame.circulation[-shed:] for frame in frames], 97)),
         pressure=_nice(_percentile([frame.pressure for frame in frames], 95)),
         force=_nice(max(float(np.linalg.norm(frame.force)) for frame in frames)),
         speed=_nice(max(float(np.linalg.norm(frame.velocity, axis=1).max()) for frame in frames)),
     )
-    return ranges, box
-
-
-def _first_view(frames: Sequence["Frame"]) -> tuple["Array", "NDArray[np.bool_]"]:
-    """The box, and which vortices of all the frames are in it."""
     wing = np.concatenate([frame.nodes for frame in frames])
     low, high = wing.min(axis=0), wing.max(axis=0)
     wake = np.concatenate([frame.wake for frame in frames])
@@ -51,8 +47,7 @@ def _first_view(frames: Sequence["Frame"]) -> tuple["Array", "NDArray[np.bool_]"
         high = np.maximum(high, np.minimum(np.percentile(wake, 98, axis=0), high + VIEW_CHORDS))
     else:
         low, high = low - ARROW_ROOM, high + ARROW_ROOM * np.array([1.0, 0.0])
-    near = ((wake >= low) & (wake <= high)).all(axis=1)
-    return np.concatenate((low, high + np.array([0.0, HEADROOM]))), near
+    return ranges, np.concatenate((low, high + np.array([0.0, HEADROOM])))
 
 
 def _percentile(arrays: "list[Array]", share: float) -> float:
