@@ -169,6 +169,7 @@ class UvlmOracle(Oracle):
             self.places = tuple((1 - s) * self.nodes[:-1] + s * self.nodes[1:] for s in (0.25, 0.75))
         self.phi_vortex, self.phi_point = (self.sample(self.modes.shape, y) for y in self.places)
         self.slope_vortex, self.slope_point = (self.sample_slope(y) for y in self.places)
+        self.gauss_points = [] if self.whole else list(self.spread())
         self.wake = np.zeros((0, 4))
         self.wake_velocity = np.zeros((0, 2))
         self.before = np.zeros((0, 2))
@@ -317,24 +318,26 @@ class UvlmOracle(Oracle):
             return force, places, 0.5 * (self.phi[:, 1:] + self.phi[:, :-1])
         _, normal = self.tangents(self.q_star @ self.slope_vortex)
         forces, places, modes = [-density * (self.slip * gamma)[:, None] * normal], [self.vortices], [self.phi_vortex]
-        gauss, weights = np.polynomial.legendre.leggauss(8)
         ahead = np.append(0.0, change[:-1])
-        for left, right, jump in (
-            (self.nodes[:-1], self.places[0], ahead),
-            (self.places[0], self.nodes[1:], change),
-        ):
-            for x, weight in zip(gauss, weights, strict=True):
-                y = 0.5 * (left + right) + 0.5 * x * (right - left)
-                phi = self.sample(self.modes.shape, y)
-                slope = self.modes.slope(y) if self.cosine else self.slope_vortex
-                th = self.kinematics[3]
-                w_slope = self.q_star @ slope
-                per_length = np.stack((-w_slope, np.ones_like(y)), axis=1)
-                along = np.array([[np.cos(th), np.sin(th)], [-np.sin(th), np.cos(th)]])
-                forces.append(-density * (jump * weight * 0.5 * (right - left))[:, None] * (per_length @ along))
-                places.append(self.point(y, self.q_star @ phi))
-                modes.append(phi)
+        th = self.kinematics[3]
+        along = np.array([[np.cos(th), np.sin(th)], [-np.sin(th), np.cos(th)]])
+        for behind, length, y, phi, slope in self.gauss_points:
+            per_length = np.stack((-(self.q_star @ slope), np.ones_like(y)), axis=1)
+            forces.append(-density * ((change if behind else ahead) * length)[:, None] * (per_length @ along))
+            places.append(self.point(y, self.q_star @ phi))
+            modes.append(phi)
         return np.vstack(forces), np.vstack(places), np.hstack(modes)
+
+    def spread(self):
+        """Gauss points between nodes and vortices: whether behind the vortex, the length, place, modes and slopes."""
+        for behind, left, right in (
+            (False, self.nodes[:-1], self.places[0]),
+            (True, self.places[0], self.nodes[1:]),
+        ):
+            for x, weight in zip(*np.polynomial.legendre.leggauss(8), strict=True):
+                y = 0.5 * (left + right) + 0.5 * x * (right - left)
+                slope = self.modes.slope(y) if self.cosine else self.slope_vortex
+                yield behind, 0.5 * weight * (right - left), y, self.sample(self.modes.shape, y), slope
 
     def load(self, v, a):
         th = self.kinematics[3]

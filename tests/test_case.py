@@ -241,6 +241,7 @@ def test_what_a_change_spoils_is_found_wherever_it_shows(values, sentence):
     assert sentence in str(refused.value)
 
 
+@pytest.mark.slow
 def test_shipped_cases_and_the_template_fit_the_schema():
     schema = case_schema()
     jsonschema.Draft202012Validator.check_schema(schema)

@@ -44,6 +44,7 @@ def test_simulate_writes_the_result_and_says_what_it_amounts_to(folder):
     assert [file.name for file in folder.glob("*.h5*")] == ["hawkmoth.h5"]
 
 
+@pytest.mark.slow
 def test_info_prints_the_same_summary(folder):
     ran = run("info", "hawkmoth.h5", cwd=folder)
     assert ran.returncode == 0
@@ -61,6 +62,7 @@ def test_info_prints_the_same_summary(folder):
         assert phrase in ran.stdout
 
 
+@pytest.mark.slow
 def test_settings_change_the_case(tmp_path):
     ran = run(
         "simulate", CASES / "hawkmoth_dbet.toml", "-o", "rigid.h5", "--set", "wing.modes=0", "--set", "time.periods=2",
@@ -72,6 +74,7 @@ def test_settings_change_the_case(tmp_path):
         assert (result.case.wing.modes, result.case.time.periods) == (0, 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "phrases"),
     [
@@ -101,6 +104,7 @@ def test_mistakes_get_a_sentence_and_exit_code_2(arguments, phrases, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_an_existing_result_is_kept_unless_told_otherwise(folder):
     before = (folder / "hawkmoth.h5").stat().st_mtime_ns
     ran = run("simulate", CASES / "hawkmoth.toml", cwd=folder)
@@ -108,6 +112,7 @@ def test_an_existing_result_is_kept_unless_told_otherwise(folder):
     assert (folder / "hawkmoth.h5").stat().st_mtime_ns == before
 
 
+@pytest.mark.slow
 def test_a_diverging_run_ends_with_code_1_and_its_frames(tmp_path):
     spinning = ("wing.youngs_modulus=1.0", "motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0")
     settings = [part for s in (*spinning, "fluid.density=0.0", "time.periods=60") for part in ("--set", s)]
@@ -123,6 +128,7 @@ def test_a_diverging_run_ends_with_code_1_and_its_frames(tmp_path):
     assert (tmp_path / "hawkmoth_dbet.h5").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_says_where_its_frames_are(tmp_path):
     settings = [part for one in ("uvlm.wake=2000", "time.periods=300", "output.every=20") for part in ("--set", one)]
     command = [sys.executable, "-m", "taichiflap", "simulate", str(CASES / "hawkmoth.toml"), *settings]
@@ -151,6 +157,7 @@ def frames_in(path):
         return 0
 
 
+@pytest.mark.slow
 def test_init_writes_a_case_that_runs(tmp_path):
     assert run("init", "mine.toml", cwd=tmp_path).returncode == 0
     ran = run("simulate", "mine.toml", "--set", "time.periods=1", cwd=tmp_path)
@@ -158,6 +165,7 @@ def test_init_writes_a_case_that_runs(tmp_path):
     assert (tmp_path / "mine.h5").exists()
 
 
+@pytest.mark.slow
 def test_init_takes_a_case_that_comes_along_with_its_tables(tmp_path):
     for name in ("hawkmoth", "tabulated_stroke"):
         ran = run("init", f"my_{name}.toml", "--from", name, cwd=tmp_path)
@@ -169,6 +177,7 @@ def test_init_takes_a_case_that_comes_along_with_its_tables(tmp_path):
     assert not (tmp_path / "other.toml").exists()
 
 
+@pytest.mark.slow
 def test_cite_says_what_the_citation_file_says():
     ran = run("cite")
     assert ran.returncode == 0
@@ -182,6 +191,7 @@ def test_cite_says_what_the_citation_file_says():
     assert [phrase for phrase in said if phrase not in printed] == []
 
 
+@pytest.mark.slow
 def test_schema_is_json():
     schema = json.loads(run("schema").stdout)
     assert schema["properties"]["wing"]["$ref"] == "#/$defs/Wing"

@@ -131,6 +131,7 @@ def test_a_gif_shows_a_beat_and_repeats(lattice, tmp_path):
     assert (orange.max() > 100, blue.max() > 100) == (True, True)
 
 
+@pytest.mark.slow
 def test_a_film_has_every_frame(blades, tmp_path):
     ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed: no film is made")
     path = export(blades, "mp4", tmp_path / "a.mp4", beats=1)
@@ -218,6 +219,7 @@ def test_a_disk_that_refuses_gets_a_sentence(lattice, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_the_command_as_a_user_runs_it(folder, tmp_path):
     ran = run("export", folder / "blades.h5", "--to", "csv", cwd=tmp_path)
     assert (ran.returncode, ran.stdout, ran.stderr) == (0, "blades.csv written\n", "")

@@ -14,6 +14,7 @@ from taichiflap import hdf, maps
 from taichiflap.errors import UserError
 
 
+@pytest.mark.slow
 def test_input_is_refused_with_its_key_or_makes_sense(tmp_path):
     found = fuzz.try_input(400, random.Random(20201122), tmp_path)
     assert found["case refused"] > 50
@@ -27,6 +28,7 @@ def good(tmp_path_factory):
     return fuzz.good_files(tmp_path_factory.mktemp("good"))
 
 
+@pytest.mark.slow
 def test_damaged_files_are_read_or_refused(tmp_path, good):
     rng = random.Random(20201122)
     path = tmp_path / "damaged.h5"

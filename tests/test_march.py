@@ -76,6 +76,7 @@ def light_motion(solver, mass_ratio, steps):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [200, 1000])
 @pytest.mark.parametrize("solver", ["dbet", "uvlm"])
 def test_stable_at_any_mass_ratio(solver, steps):
@@ -161,6 +162,7 @@ print(best)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(available_threads() < 2, reason="this machine has one processor")
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc to read a thread's time from")
 def test_a_batch_of_eight_keeps_two_threads_busy():

@@ -320,6 +320,7 @@ def test_no_summary_before_the_first_beat_is_whole():
     assert metrics.summarise(SimpleNamespace(case=case, time=time)) is None
 
 
+@pytest.mark.slow
 def test_a_still_wing_has_no_phase():
     case = hawkmoth("motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0", "time.periods=2")
     summary = metrics.summarise(taichiflap.simulate(case))

@@ -94,6 +94,7 @@ def test_a_wide_march_gives_the_bits_of_a_fused_one(monkeypatch):
             np.testing.assert_array_equal(getattr(wide, name), values, err_msg=name)
 
 
+@pytest.mark.slow
 def test_a_march_by_tree_is_itself_in_any_company_and_near_the_sum_over_pairs(monkeypatch):
     monkeypatch.setattr(longwake, "FAR", 60)
     settings = ("uvlm.wake=all", "time.periods=1", "uvlm.panels=9", "uvlm.core=0.02")
@@ -110,6 +111,7 @@ def test_a_march_by_tree_is_itself_in_any_company_and_near_the_sum_over_pairs(mo
         np.testing.assert_array_equal(together[1].force, alone.force)
 
 
+@pytest.mark.slow
 def test_the_error_found_is_in_the_result_of_a_case_that_allows_one(monkeypatch):
     monkeypatch.setattr(longwake, "FAR", 60)
     case = hawkmoth("uvlm.wake=all", "time.periods=1", "uvlm.panels=9", "uvlm.far_error=1e-3", "uvlm.core=0.02")

@@ -17,6 +17,8 @@ from taichiflap import palette, player, scene
 from taichiflap.errors import UserError
 from taichiflap.export import export
 
+pytestmark = pytest.mark.slow
+
 CHROMIUM = shutil.which("chromium")
 FLAGS = [
     "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",

@@ -14,6 +14,8 @@ from taichiflap.studies import oscillation, paper, plate, start, structure
 from taichiflap.studies.checks import accurate
 from taichiflap.studies.paper import Settings
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent
 VALIDATION = (ROOT / "docs" / "validation.md").read_text("utf-8")
 REPRODUCTION = (ROOT / "docs" / "reproduction" / "report.md").read_text("utf-8")

@@ -172,6 +172,7 @@ taichiflap.simulate(hawkmoth("time.periods=15"), {path!r}, progress=progress)
 """
 
 
+@pytest.mark.slow
 def test_a_killed_run_leaves_its_frames_readable(tmp_path):
     path = tmp_path / "run.h5"
     script = KILLED.format(tests=str(CASES.parent / "tests"), path=str(path), block=BLOCK)
@@ -303,6 +304,7 @@ def interrupted(case, path):
         taichiflap.simulate(case, path, progress=interrupt)
 
 
+@pytest.mark.slow
 def test_a_batch_resumes_cases_that_stopped_at_different_steps(tmp_path, monkeypatch):
     cases = [
         hawkmoth(*SHORT, f"fluid.density={density}", f"uvlm.panels={8 + i}") for i, density in enumerate((1, 2, 3))
@@ -320,6 +322,7 @@ def test_a_batch_resumes_cases_that_stopped_at_different_steps(tmp_path, monkeyp
         assert_same(tmp_path / f"whole{i}.h5", path)
 
 
+@pytest.mark.slow
 def test_a_lost_or_damaged_checkpoint_costs_time_alone(tmp_path, monkeypatch):
     case = hawkmoth(*SHORT)
     taichiflap.simulate(case, tmp_path / "whole.h5").close()
@@ -352,6 +355,7 @@ def test_only_the_same_case_is_resumed(tmp_path):
         assert result.case == other
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", [(), ("--resume",), ("--overwrite",)])
 def test_of_two_runs_on_one_file_the_second_is_refused(tmp_path, option):
     path = tmp_path / "run.h5"

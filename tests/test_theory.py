@@ -77,6 +77,7 @@ def test_the_papers_fixed_distance_is_inconsistent():
     assert theodorsen_error("fixed", 50, 1.0)[0] == pytest.approx(0.27, abs=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("panels", "amplitude", "phase"), [(20, 0.5, 0.5), (12, 2.0, 1.0)])
 def test_defaults_meet_theodorsen(panels, amplitude, phase):
     """Per cent and degrees, k = 0.1 to 2, at 200 steps a period."""

@@ -110,6 +110,7 @@ def test_a_steady_plate_with_suction_has_no_drag(spacing, panels):
     assert moment / normal == pytest.approx(case.wing.chord / 4, rel=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [(), ACCURATE])
 def test_no_penetration_of_the_deformed_camber_line(settings):
     case = hawkmoth(*SHORT, "wing.modes=2", "uvlm.panels=12", "uvlm.wake=20", "uvlm.core=0.02", *settings)
@@ -122,6 +123,7 @@ def test_no_penetration_of_the_deformed_camber_line(settings):
     assert np.abs(through).max() < 1e-10 * np.abs(oracle.control_velocity(oracle.v)).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [(), ("uvlm.wake=all", "uvlm.shedding=local"), ("uvlm.wake=7",)])
 def test_kelvins_sum_is_zero_at_every_step(settings):
     case = hawkmoth("time.periods=2", "wing.modes=2", "uvlm.panels=20", *settings)
@@ -179,6 +181,7 @@ def test_convection_matches_the_oracle(rng, core, convection, precision, digits)
     assert precision == "double" or np.abs(moved - step).max() > 1e-9 * np.abs(step).max()
 
 
+@pytest.mark.slow
 def test_a_march_in_single_precision_is_itself_in_any_company_and_near_the_double(monkeypatch):
     settings = ("uvlm.wake=90", "time.periods=1", "uvlm.panels=9", "uvlm.core=0.02")
     double, single = hawkmoth(*settings), hawkmoth(*settings, "uvlm.precision=single")

@@ -254,6 +254,7 @@ def test_a_taken_port_gives_way_and_only_this_machine_is_served(folder):
             viewer.stop()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["missing.h5", "foreign.h5", "truncated.h5"])
 def test_a_file_that_cannot_be_shown_gets_one_sentence_and_code_2(folder, tmp_path, name):
     if name == "foreign.h5":
@@ -431,6 +432,7 @@ def test_in_a_stream_charts_and_differences_are_of_lift_and_thrust(tmp_path):
     run.close()
 
 
+@pytest.mark.slow
 def test_view_says_which_port_it_takes_and_what_differs(folder, command):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
@@ -448,6 +450,7 @@ def test_view_says_which_port_it_takes_and_what_differs(folder, command):
     assert process.stderr.read() == "error: view shows one result, or two compared, not 3\n"
 
 
+@pytest.mark.slow
 def test_a_run_that_fails_keeps_its_viewer(command):
     """Its frames until the failure can be looked at; the exit code comes when the viewer is closed."""
     spinning = ("wing.youngs_modulus=1.0", "motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0")

@@ -34,7 +34,10 @@ FLAGS = [
 ]
 SECONDS = 40.0
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="NO BROWSER TESTED: there is no chromium")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="NO BROWSER TESTED: there is no chromium"),
+    pytest.mark.slow,
+]
 
 NODE = "window.__viserSceneTree && window.__viserSceneTree.getState()['{}']"
 PROPS = f"({NODE}).message.props"
