@@ -66,7 +66,9 @@ def attribute(file: Any, name: str) -> Any:
     if stored.shape != () or stored.get_storage_size() > MOST_TEXT:
         raise DamageError(f"{name} is no text or number")
     if stored.dtype.kind == "O":
-        raise DamageError(f"{name} is text of varying length, which only other programs write")
+        raise DamageError(
+            f"{name} is text of varying length, as other programs write it, and taichiflap before November 2026"
+        )
     value = file.attrs[name]
     if isinstance(value, str | bytes):
         return plain(value)

@@ -207,7 +207,9 @@ def open_result(path: str | Path) -> Result:
     except IsADirectoryError:
         raise ResultError(f"{path}: is a directory") from None
     except OSError as error:
-        raise ResultError(f"{path}: not a readable result file: {first_line(error)}") from None
+        case = "a case file, not a result; taichiflap simulate computes it"
+        said = case if path.suffix == ".toml" else f"not a readable result file: {first_line(error)}"
+        raise ResultError(f"{path}: {said}") from None
     except DAMAGE as error:
         raise ResultError(f"{path}: not a readable result file: {str(error).partition(chr(10))[0]}") from None
     try:
@@ -234,18 +236,17 @@ def _whole_frames(file: Any) -> int:
 def _checked(file: Any, path: Path) -> Result:
     """The result in a file that is one, and that no reader trips over."""
     try:
-        version = intact.attribute(file, "taichiflap_format")
+        version = intact.attributes(file, ("taichiflap_format",)).get("taichiflap_format")
+        if version is None:
+            raise ResultError(f"{path}: an HDF5 file, but not a result of taichiflap")
         if version > FORMAT:
             raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
         case = parse_case(tomllib.loads(intact.attribute(file, "case")), str(path))
+        _check_contents(file, case)
     except ResultError:
         raise
     except CaseError as error:
         raise ResultError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
-    except DAMAGE:
-        raise ResultError(f"{path}: an HDF5 file, but not a result of taichiflap") from None
-    try:
-        _check_contents(file, case)
     except DamageError as error:
         raise ResultError(f"{path}: damaged: {error}") from None
     except DAMAGE as error:

@@ -89,7 +89,10 @@ def test_settings_change_the_case(tmp_path):
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.chrod=1:2:3"), ["did you mean wing.chord?"]),
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.modes=0,1", "--metric", "lift"), ["metric lift: unknown"]),
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.modes=0,1", "-o", "."), ["is a directory"]),
-        (("info", CASES / "hawkmoth.toml"), ["not a readable result file"]),
+        (
+            ("info", CASES / "hawkmoth.toml"),
+            ["hawkmoth.toml: a case file, not a result; taichiflap simulate computes it"],
+        ),
         (("init", "."), ["exists already"]),
         (("simulate", CASES / "hawkmoth.toml", "--threads", "0"), ["--threads"]),
         (("simulat",), ["simulat"]),
