@@ -129,8 +129,8 @@ def read_design(file: Any) -> Design:
     """The design."""
     axes = []
     for key in intact.attribute(file, "keys").split():
-        labels = intact.attributes(file[key], ("labels",)).get("labels")
-        values = file[key][...].tolist() if labels is None else json.loads(labels)
+        texts = file[key].dtype.kind == "O"
+        values = json.loads(intact.attribute(file[key], "labels")) if texts else file[key][...].tolist()
         axes.append(Axis(key, tuple(values)))
     return Design(tuple(axes), bool(intact.attribute(file, "grid")))
 
