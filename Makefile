@@ -25,7 +25,7 @@ hawkmoth.h5:
 test: .venv/.dev browser  ## all tests, two files at a time, and what lines and branches they cover
 	$(BIN)/python -m pytest -n 2 --dist loadfile --cov
 
-test-fast: .venv/.dev  ## the tests of a second or two each
+test-fast: .venv/.dev  ## the tests of a second or less each: half a minute
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 browser:  ## Debian's chromium, for the tests that drive a browser
