@@ -62,7 +62,7 @@ docs: .venv/.docs  ## the documentation, warnings as errors
 	@echo "The documentation is docs/_build/html/index.html."
 
 package: .venv/.dev  ## build it, and install it in clean environments of every Python here: minutes
-	$(BIN)/python tests/package.py $(foreach p,python3.11 python3.12 python3.13,$(shell command -v $(p)))
+	$(BIN)/python tests/package.py $(foreach p,python3.11 python3.12 python3.13,$(shell $(p) -c 'import sys; print(sys.executable)' 2>/dev/null))
 
 reports: .venv/.run  ## write the reports among the documentation again, from their commands (minutes)
 	$(BIN)/taichiflap validate -o build/validation --overwrite
