@@ -385,7 +385,8 @@ def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
     """`simulate --view` as a user runs it; the page follows to the last frame of the complete file."""
     path = tmp_path / "live.h5"
     command = [sys.executable, "-m", "taichiflap", "simulate", "hawkmoth.toml", "-o", path, "--threads", "1", "--view"]
-    settings = ["time.periods=4", "uvlm.wake=1600", "time.steps_per_period=400", "uvlm.core=0.05"]
+    # Long enough for a viewer to start beside it on a machine that is busy.
+    settings = ["time.periods=7", "uvlm.wake=1600", "time.steps_per_period=400", "uvlm.core=0.05"]
     arguments = [part for setting in settings for part in ("--set", setting)]
     with subprocess.Popen(
         [*command, *arguments], cwd=CASES, env={**os.environ, "BROWSER": "true"}, text=True, start_new_session=True,
@@ -404,13 +405,13 @@ def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
             page = look(line.split()[0])
             page.locator("[data-time]").get_by_text("being computed").wait_for()
             os.kill(running.pid, signal.SIGCONT)
-            page.wait_for_function(f"() => {PROPS.format('/time')}.text.includes('beat 4   t/T = 1.000')")
+            page.wait_for_function(f"() => {PROPS.format('/time')}.text.includes('beat 7   t/T = 1.000')")
             page.wait_for_function("() => !document.querySelector('[data-time]').innerText.includes('being computed')")
-            page.wait_for_function(f"() => {CHARTS}.every(c => c.scales.x.min === 3 && {shows_all('c')})")
+            page.wait_for_function(f"() => {CHARTS}.every(c => c.scales.x.min === 6 && {shows_all('c')})")
             with taichiflap.open_result(path) as result:
-                assert (result.status, result.frames) == ("complete", 1601)
+                assert (result.status, result.frames) == ("complete", 2801)
                 wake, chord = floats(page, "/wake").reshape(-1, 3), result.case.wing.chord
-                np.testing.assert_allclose(wake[:, 0], result.wake(1600)["z"] / chord, atol=1e-4)
+                np.testing.assert_allclose(wake[:, 0], result.wake(2800)["z"] / chord, atol=1e-4)
             assert running.poll() is None
         finally:
             os.killpg(running.pid, signal.SIGCONT)
