@@ -10,6 +10,7 @@ import h5py
 from . import intact
 from ._version import __version__
 from .case import Case
+from .intact import DamageError
 from .results import Result, ResultError, first_line, open_result, part
 
 
@@ -75,7 +76,10 @@ def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> Any:
 
 def _check_same(file: Any, path: Path, case: Case) -> None:
     for name, ours in {"case": case.to_toml(), "source": f"taichiflap {__version__}"}.items():
-        theirs = intact.attribute(file, name)
+        try:
+            theirs = intact.attribute(file, name)
+        except DamageError as error:
+            raise ResultError(f"{path}: cannot be resumed: {error}") from None
         if theirs != ours:
             raise ResultError(f"{path}: cannot be resumed: {_difference(name, str(theirs), ours)}")
 

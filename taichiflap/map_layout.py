@@ -94,9 +94,6 @@ def check(file: Any) -> None:
     keys, grid = said["keys"].split(), bool(said["grid"])
     lengths = tuple(intact.array(file, key, (None,), "ifO", whole=False)[0] for key in keys)
     shape = lengths if grid else lengths[:1]
-    for key, length in zip(keys, lengths, strict=True):
-        if file[key].dtype.kind == "O":
-            _check_labels(key, intact.attribute(file[key], "labels"), length)
     if not keys or math.prod(shape) > MOST_CASES or (not grid and len(set(lengths)) > 1):
         raise DamageError(f"a design of {' x '.join(map(str, lengths))} cases")
     intact.array(file, "status", shape, "i", whole=False)
@@ -110,12 +107,6 @@ def check(file: Any) -> None:
         intact.array(file, SAMPLE, shape, "i", whole=False)
 
 
-def _check_labels(key: str, labels: str, length: int) -> None:
-    found = json.loads(labels)
-    if not isinstance(found, list) or len(found) != length or not all(isinstance(one, str) for one in found):
-        raise DamageError(f"{key} has other labels than entries")
-
-
 def read_case(file: Any, source: str) -> Case:
     """The base case.
 
@@ -126,13 +117,24 @@ def read_case(file: Any, source: str) -> Case:
 
 
 def read_design(file: Any) -> Design:
-    """The design."""
-    axes = []
-    for key in intact.attribute(file, "keys").split():
-        texts = file[key].dtype.kind == "O"
-        values = json.loads(intact.attribute(file[key], "labels")) if texts else file[key][...].tolist()
-        axes.append(Axis(key, tuple(values)))
-    return Design(tuple(axes), bool(intact.attribute(file, "grid")))
+    """The design of a file that has been checked.
+
+    Raises:
+        DamageError: when an axis of texts has other labels than entries.
+    """
+    keys = intact.attribute(file, "keys").split()
+    axes = tuple(Axis(key, tuple(_axis_values(key, file[key]))) for key in keys)
+    return Design(axes, bool(intact.attribute(file, "grid")))
+
+
+def _axis_values(key: str, dataset: Any) -> list[Any]:
+    if dataset.dtype.kind != "O":
+        values: list[Any] = dataset[...].tolist()
+        return values
+    labels = json.loads(intact.attribute(dataset, "labels"))
+    if not isinstance(labels, list) or len(labels) != len(dataset) or not all(isinstance(one, str) for one in labels):
+        raise DamageError(f"{key} has other labels than entries")
+    return labels
 
 
 def dimensions(design: Design) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 from .design import Axis, Design
 from .map_names import model
 from .maps import Map
-from .notation import short
+from .notation import fraction, short
 from .outcome import COMPLETE, FAILED
 from .plausible import BENT
 
@@ -63,7 +63,7 @@ def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:
     if np.isnan(values).all():
         return
     for word, number in (("least", int(np.nanargmin(values))), ("most", int(np.nanargmax(values)))):
-        found = f"{values[number]:.4g} {sheet.units(name).replace(' W-1', '/W')}"
+        found = f"{values[number]:.4g} {fraction(sheet.units(name))}"
         yield name if word == "least" else "", f"{word:<5} {found} at {_where(sheet.design, number)}"
 
 

@@ -21,6 +21,11 @@ def prefixed(size: float, unit: str) -> tuple[float, str]:
     return next((factor, prefix + unit) for least, factor, prefix in PREFIXES if abs(size) >= least)
 
 
+def fraction(units: str) -> str:
+    """Units as people write them, N/W for N W-1."""
+    return units.replace(" W-1", "/W")
+
+
 def engineering(value: float) -> str:
     """A number with an exponent in threes where it is large or small, such as 24.5e9; it reads back as the same."""
     if value == 0.0 or 1e-3 <= abs(value) < 1e6 or not abs(value) < float("inf"):

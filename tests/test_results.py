@@ -250,6 +250,17 @@ def test_damaged_and_foreign_files_are_refused_in_a_sentence(tmp_path, uvlm_file
         assert "\n" not in message
 
 
+def test_a_resume_of_what_cannot_be_read_names_the_file(tmp_path, uvlm_file):
+    left = results.part(tmp_path / "run.h5")
+    left.write_bytes(uvlm_file.read_bytes())
+    with h5py.File(left, "r+") as file:
+        file.attrs["case"] = file.attrs["case"].decode()
+    with pytest.raises(
+        taichiflap.ResultError, match=r"run\.h5\.part: cannot be resumed: case is text of varying length"
+    ):
+        taichiflap.simulate(hawkmoth(*SHORT), tmp_path / "run.h5", resume=True)
+
+
 @pytest.mark.parametrize("name", ["nowhere/run.h5", "."])
 def test_a_place_that_cannot_be_written_is_refused(tmp_path, name):
     with pytest.raises(taichiflap.ResultError, match=r"cannot be created|is a directory"):

@@ -10,7 +10,7 @@ import numpy as np
 from .. import hdf
 from ..case import Case
 from ..design import Axis, Design, DesignError, Spread, Value
-from ..notation import short
+from ..notation import fraction, short
 from ..plausible import too_bent
 from .expression import Expression, read_constraint, read_expression
 from .ledger import Ledger
@@ -201,8 +201,7 @@ def verdict(best: Optimum | None, path: Path) -> list[str]:
     """What the search found, in lines."""
     if best is None:
         return ["no case came to its end: there is no best one"]
-    units = {name: QUANTITIES[name].units.replace(" W-1", "/W") for name in SHOWN}
-    shown = [f"  {name:<24}{best.metrics[name]:.6g} {units[name]}" for name in SHOWN]
+    shown = [f"  {name:<24}{best.metrics[name]:.6g} {fraction(QUANTITIES[name].units)}" for name in SHOWN]
     stopped = "the population came together" if best.converged else "the last generation was reached"
     return [
         f"{best.evaluations} cases looked at, {stopped}; all of them are in {path}",
