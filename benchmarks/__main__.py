@@ -4,7 +4,7 @@ import dataclasses
 import json
 from collections.abc import Iterable
 
-from taichiflap.studies.page import markdown
+from taichiflap.published.page import markdown
 
 from . import accuracy, commands, figures, load, machine, others, pages, pairs, runs, wakes
 from .rows import Row

@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from taichiflap.case import Case
-from taichiflap.runtime import start
-from taichiflap.studies import oscillation
-from taichiflap.studies.checks import accurate, run
+from taichiflap.case.case import Case
+from taichiflap.kernels.runtime import start
+from taichiflap.validation import oscillation
+from taichiflap.validation.checks import accurate, run
 
 from .clock import alternate
 from .peers import ptera

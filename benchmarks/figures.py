@@ -5,7 +5,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from taichiflap.runtime import available_threads
+from taichiflap.kernels.runtime import available_threads
 
 from .accuracy import WITHIN, Point
 from .pairs import PairRates

@@ -12,7 +12,7 @@ import numpy as np
 from taichiflap_viewer import Viewer
 
 import taichiflap
-from taichiflap.writer import Writer
+from taichiflap.results.writer import Writer
 
 from .browsers import browsers
 from .runs import hawkmoth

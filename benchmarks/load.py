@@ -6,7 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 
-from taichiflap.runtime import available_threads
+from taichiflap.kernels.runtime import available_threads
 
 from .clock import alternate
 from .rows import Row

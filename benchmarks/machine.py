@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import taichiflap
-from taichiflap.runtime import available_threads
+from taichiflap.kernels.runtime import available_threads
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("taichi", "numpy", "numba", "h5py", "pydantic")

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from taichiflap.runtime import available_threads
-from taichiflap.vortex import induced_velocity
+from taichiflap.kernels.runtime import available_threads
+from taichiflap.vortex.sum import induced_velocity
 
 from .clock import Work, alternate
 from .peers import c_loop, numba_loop

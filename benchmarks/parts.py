@@ -5,9 +5,9 @@ Every part here gives the same when it is done again, so the run's numbers stay 
 
 from typing import Any
 
-from taichiflap import lattice, wake
-from taichiflap.fluids import uvlm
-from taichiflap.runtime import View, ti
+from taichiflap.fluids.uvlm import lattice, wake
+from taichiflap.fluids.uvlm import model as uvlm
+from taichiflap.kernels.runtime import View, ti
 
 AGAIN = 4
 """How many times more a part is done."""

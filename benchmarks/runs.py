@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 import taichiflap
-from taichiflap import fluids, wake
-from taichiflap.case import Case
-from taichiflap.march import March
-from taichiflap.run import BLOCK_STEPS
-from taichiflap.runtime import available_threads
+from taichiflap import fluids
+from taichiflap.case.case import Case
+from taichiflap.fluids.uvlm import wake
+from taichiflap.kernels.runtime import available_threads
+from taichiflap.march.march import March
+from taichiflap.run.blocks import BLOCK_STEPS
 
 from .clock import Clocked, alternate
 from .machine import ROOT

@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from taichiflap import fluids
-from taichiflap.longwake import WIDE
-from taichiflap.march import March
-from taichiflap.runtime import available_threads, view
-from taichiflap.wake import COUNT
+from taichiflap.fluids.uvlm.long_wake import WIDE
+from taichiflap.fluids.uvlm.wake import COUNT
+from taichiflap.kernels.runtime import available_threads, view
+from taichiflap.march.march import March
 
 from .clock import alternate
 from .rows import Row

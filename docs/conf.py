@@ -14,8 +14,8 @@ from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
 from taichiflap import __version__
-from taichiflap.template import commented_case
-from taichiflap.variables import AXES, MODE_VARIABLES, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
+from taichiflap.case.template import commented_case
+from taichiflap.results.variables import AXES, MODE_VARIABLES, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
 
 HERE = Path(__file__).parent
 GENERATED = HERE / "generated"

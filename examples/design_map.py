@@ -15,8 +15,8 @@ import xarray
 from matplotlib.figure import Figure
 
 import taichiflap
-from taichiflap import map_plots
-from taichiflap.plots import STYLE
+from taichiflap.plots import maps as map_plots
+from taichiflap.plots.result import STYLE
 
 CASE = Path(__file__).parent.parent / "cases" / "hawkmoth.toml"
 MODULUS, PITCH = "wing.youngs_modulus", "motion.pitch.amplitude_deg"

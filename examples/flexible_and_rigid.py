@@ -8,7 +8,7 @@ import sys
 import matplotlib.pyplot as plt
 
 import taichiflap
-from taichiflap import shipped
+from taichiflap.case import shipped
 
 
 def compute(*settings):

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import taichiflap
-from taichiflap.case import parse_case
+from taichiflap.case.case import parse_case
 from taichiflap.theory import mean_thrust
 
 CHORD, SPAN, SPEED, PLUNGE = 0.1, 0.4, 0.5, 0.02

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import taichiflap
-from taichiflap import beam
+from taichiflap.structure import beam
 
 CASE = Path(__file__).parent.parent / "cases" / "graded_wing.toml"
 RATIOS = (2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 4.0, 5.0, 6.0)

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import taichiflap
-from taichiflap import shipped
+from taichiflap.case import shipped
 
 STROKE = (
     'motion.plunge={ kind = "triangle", amplitude = 0.02, phase_deg = 90.0, sharpness = 0.9 }',

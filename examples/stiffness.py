@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import taichiflap
-from taichiflap import shipped
+from taichiflap.case import shipped
 
 MODULI = np.geomspace(12e9, 120e9, 60)
 

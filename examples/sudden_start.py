@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import taichiflap
-from taichiflap.case import parse_case
+from taichiflap.case.case import parse_case
 from taichiflap.theory import wagner
 
 CHORD, SPEED, ANGLE = 0.1, 1.0, 1.0

@@ -17,7 +17,9 @@ import math
 
 import numpy as np
 
-from taichiflap.body import (
+from taichiflap.errors import UserError
+from taichiflap.kernels.runtime import Floats2, Floats3, Singles3, View, ti
+from taichiflap.march.state import (
     ACCEL,
     AMPLITUDE,
     AXIAL,
@@ -35,11 +37,9 @@ from taichiflap.body import (
     pivot_velocity,
     superpose,
     zeros,
-)  # fmt: skip
-from taichiflap.errors import UserError
-from taichiflap.motion import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
-from taichiflap.profile import Profile
-from taichiflap.runtime import Floats2, Floats3, Singles3, View, ti
+)
+from taichiflap.motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from taichiflap.structure.chordwise import Profile
 
 ELEMENTS = 64
 ANGLES = 256

@@ -8,7 +8,7 @@ import sys
 import matplotlib.pyplot as plt
 
 import taichiflap
-from taichiflap.case import parse_case
+from taichiflap.case.case import parse_case
 
 MODELS = {"uvlm": ("UVLM", "-"), "module:theodorsen": ("Theodorsen", "--"), "dbet": ("DBET", "-")}
 """Name and line of each."""

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 import taichiflap
-from taichiflap.beats import whole_beats
-from taichiflap.studies import momentum
-from taichiflap.studies.page import Heading, Paragraph, Table, markdown
+from taichiflap.metrics.beats import whole_beats
+from taichiflap.published.page import Heading, Paragraph, Table, markdown
+from taichiflap.validation import momentum
 
 CASE = Path(__file__).parent.parent / "cases" / "hawkmoth.toml"
 BEATS, START = 12, 5

@@ -7,17 +7,17 @@
 Importing the package loads none of its heavy parts; they come with the first use.
 """
 
-import importlib
 from typing import TYPE_CHECKING, Any
 
 from ._version import __version__
+from .doors import lazy
 
 if TYPE_CHECKING:
-    from .case import Case, CaseError, load_case
-    from .maps import Map, open_map
-    from .metrics import summarise
-    from .results import Result, ResultError, open_result
-    from .run import simulate
+    from .case.case import Case, CaseError, load_case
+    from .maps.file import Map, open_map
+    from .metrics.summary import summarise
+    from .results.reader import Result, ResultError, open_result
+    from .run.blocks import simulate
     from .studies.sweep import sweep
 
 _HOMES = {
@@ -50,10 +50,11 @@ __all__ = [
 ]
 
 
+_fetch = lazy(__name__, _HOMES)
+
+
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'taichiflap' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)
+    value = _fetch(name)
     globals()[name] = value
     return value
 

@@ -15,7 +15,7 @@ from .commands.options import CaseFile, Settings, Threads
 from .errors import UserError
 
 if TYPE_CHECKING:
-    from .case import Case
+    from .case.case import Case
 
 app = typer.Typer(
     add_completion=False,
@@ -68,9 +68,9 @@ def simulate(
     view: Annotated[bool, typer.Option("--view", help="show the run in the browser while it computes")] = False,
 ) -> None:
     """Compute a case and write its result file."""
-    from . import plausible
-    from .case import load_case
-    from .results import part
+    from .case.case import load_case
+    from .results.reader import part
+    from .run import warnings as plausible
 
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}.h5")
@@ -118,11 +118,11 @@ def view(
 @app.command()
 def info(file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)]) -> None:
     """Summarise a result or a map."""
-    from .maps import is_map, open_map
-    from .results import open_result
+    from .maps.file import is_map, open_map
+    from .results.reader import open_result
 
     if is_map(file):
-        from .map_report import map_lines
+        from .commands.map_summary import map_lines
 
         with open_map(file) as sheet:
             print("\n".join(map_lines(sheet)))
@@ -144,11 +144,11 @@ def plot(
     """Draw for print, as PNG and SVG: the last beat of one result or two, and the wing of each; or a map."""
     from contextlib import ExitStack
 
-    from .maps import is_map, open_map
-    from .results import open_result
+    from .maps.file import is_map, open_map
+    from .results.reader import open_result
 
     if other is None and is_map(file):
-        from . import map_plots
+        from .plots import maps as map_plots
 
         with open_map(file) as sheet:
             for path in map_plots.plot(sheet, output, overwrite):
@@ -156,7 +156,7 @@ def plot(
         return
     with ExitStack() as stack:
         results = [stack.enter_context(open_result(path)) for path in (file, other) if path is not None]
-        from .plots import plot as draw
+        from .plots.result import plot as draw
 
         for path in draw(results, output, overwrite):
             print(f"{path} written")
@@ -176,8 +176,8 @@ def export(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
     """Write a result as a table, for ParaView, or as a page or film that plays its last beats."""
-    from .export import export as write
-    from .results import open_result
+    from .export.formats import export as write
+    from .results.reader import open_result
 
     with open_result(file) as result:
         print(f"{write(result, to, output, beats, overwrite, dark=dark)} written")
@@ -193,9 +193,9 @@ def init(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
     """Write a commented case file to start from."""
-    from . import shipped
-    from .case import CaseError
-    from .template import commented_case
+    from .case import shipped
+    from .case.case import CaseError
+    from .case.template import commented_case
 
     texts = {file: shipped.text(source) if source else commented_case()}
     for table in shipped.tables(source) if source else ():
@@ -218,8 +218,8 @@ def validate(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing report")] = False,
 ) -> None:
     """Hold the solver against exact solutions, row by row; exit code 1 if a row fails."""
-    from .studies import validate as study
-    from .studies import validation_report as report
+    from .validation import report
+    from .validation import validate as study
 
     if output:
         report.check_folder(output, overwrite)
@@ -243,8 +243,8 @@ def reproduce(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="write into a folder that holds files")] = False,
 ) -> None:
     """Redo the paper: a report that lays its numbers and figures beside what is computed here."""
-    from .progress import share
-    from .studies import reproduce as study
+    from .commands.progress import share
+    from .published.reade2020 import reproduce as study
 
     with share("redoing the paper") if sys.stderr.isatty() else nullcontext() as progress:
         found = study.reproduce(output, overwrite=overwrite, progress=progress)
@@ -262,7 +262,7 @@ def schema() -> None:
     """Print the JSON schema of a case file."""
     import json
 
-    from .case import case_schema
+    from .case.case import case_schema
 
     print(json.dumps(case_schema(), indent=2))
 
@@ -270,7 +270,7 @@ def schema() -> None:
 @app.command(short_help="Print how to cite taichiflap, as BibTeX.")
 def cite() -> None:
     """Print how to cite taichiflap, and the paper it starts from, as BibTeX."""
-    from .citation import BIBTEX
+    from .commands.citation import BIBTEX
 
     print(BIBTEX)
 
@@ -288,11 +288,11 @@ def _pass_by(text: str) -> None:
 
 
 def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overwrite: bool, resume: bool) -> Any:
-    from .run import simulate as run
+    from .run.blocks import simulate as run
 
     shown: Any = nullcontext()
     if sys.stderr.isatty():
-        from .progress import bar
+        from .commands.progress import bar
 
         shown = bar(case)
     with shown as update, heard(update) as progress:
@@ -300,6 +300,6 @@ def _simulate_with_progress(case: "Case", path: Path, threads: int | None, overw
 
 
 def _print_summary(result: Any, said: Collection[str] = ()) -> None:
-    from .report import summary_lines
+    from .commands.summary import summary_lines
 
     print("\n".join(summary_lines(result, said)), flush=True)

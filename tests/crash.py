@@ -21,11 +21,12 @@ import h5py
 import numpy as np
 
 import taichiflap
-from taichiflap import checkpoint, run
-from taichiflap.export import FORMATS, export
-from taichiflap.plots import plot
+from taichiflap.export.formats import FORMATS, export
+from taichiflap.plots.result import plot
+from taichiflap.results import checkpoint
+from taichiflap.results.writer import Writer
+from taichiflap.run import blocks
 from taichiflap.studies import batch
-from taichiflap.writer import Writer
 
 CASES = Path(__file__).parent.parent / "cases"
 SHORT = ("uvlm.panels=8", "uvlm.wake=100", "time.periods=6", "time.steps_per_period=100", "wing.modes=2")
@@ -35,7 +36,7 @@ FAST = ("csv", "vtkhdf", "html", "plots")
 
 def simulate(path):
     """The run to kill: many blocks, and a checkpoint after each."""
-    run.BLOCK_STEPS, checkpoint.SECONDS = 30, 0.0
+    blocks.BLOCK_STEPS, checkpoint.SECONDS = 30, 0.0
     taichiflap.simulate(taichiflap.load_case(CASES / "hawkmoth.toml", SHORT), path, resume=True).close()
 
 

@@ -26,9 +26,10 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 import taichiflap
-from taichiflap import fluids, wake
-from taichiflap.march import March
-from taichiflap.runtime import view
+from taichiflap import fluids
+from taichiflap.fluids.uvlm import wake
+from taichiflap.kernels.runtime import view
+from taichiflap.march.march import March
 
 DRIFT = 1e-10
 """Of Kelvin's sum, as a share of the largest bound circulation."""

@@ -26,14 +26,19 @@ import xarray  # noqa: F401 - so that no child imports it again
 from conftest import CASES, hawkmoth
 
 import taichiflap
-from taichiflap import beam, maps, motion, plausible, report, tables
-from taichiflap.case import CaseError, case_schema, load_case, parse_case
-from taichiflap.design import DesignError, design, read_vary
+from taichiflap.case.case import CaseError, case_schema, load_case, parse_case
+from taichiflap.case.time import IN_PERIODS, IN_SECONDS
+from taichiflap.commands import summary as report
+from taichiflap.commands.map_summary import map_lines
 from taichiflap.errors import UserError
-from taichiflap.map_report import map_lines
-from taichiflap.sections.time import IN_PERIODS, IN_SECONDS
+from taichiflap.export import table as tables
+from taichiflap.export.vtkhdf import write_vtkhdf
+from taichiflap.maps import file as maps
+from taichiflap.maps.design import DesignError, design, read_vary
+from taichiflap.motion import sampling
+from taichiflap.run import warnings as plausible
+from taichiflap.structure import beam
 from taichiflap.studies.sweep import sweep
-from taichiflap.vtkhdf import write_vtkhdf
 
 SECONDS = 60
 """Longer than this nothing may take, on a busy machine."""
@@ -154,7 +159,7 @@ def examine(case):
     assert 0.0 < section.mass < 1e15, f"mass of {case.wing}"
     assert (section.omega > 0.0).all(), f"frequencies of {case.wing}"
     assert 0.0 < case.step <= case.duration * (1 + 1e-9) < math.inf
-    moved = motion.sample(case.motion, np.linspace(0.0, case.duration, 33))
+    moved = sampling.sample(case.motion, np.linspace(0.0, case.duration, 33))
     assert np.isfinite(moved).all(), f"{case.motion}"
     plausible.warnings(case)
     assert parse_case(tomllib.loads(case.to_toml())) == case

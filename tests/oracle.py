@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from taichiflap import beam, motion
-from taichiflap.case import Case
+from taichiflap.case.case import Case
+from taichiflap.motion import sampling
+from taichiflap.structure import beam
 
 
 def velocity(points, vortices, core2=0.0):
@@ -55,7 +56,7 @@ class Oracle:
 
     def step(self, n):
         dt = self.dt
-        zp, zd, zdd, th, thd, thdd = motion.sample(self.case.motion, np.array([n * dt]))[0]
+        zp, zd, zdd, th, thd, thdd = sampling.sample(self.case.motion, np.array([n * dt]))[0]
         self.kinematics = (zp, zd, zdd, th, thd, thdd)
         if n == 0:
             rule, beta = (0.0, 0.0, 0.0), 0.0

@@ -5,7 +5,8 @@ import pytest
 from conftest import hawkmoth
 from scipy.optimize import brentq
 
-from taichiflap import beam, theory
+from taichiflap import theory
+from taichiflap.structure import beam
 
 
 def quadrature(wing, points=200):

@@ -8,9 +8,9 @@ import tomli_w
 from conftest import CASES, hawkmoth
 
 import taichiflap
-from taichiflap import plausible
-from taichiflap.case import CaseError, case_schema, load_case, parse_case
-from taichiflap.template import commented_case
+from taichiflap.case.case import CaseError, case_schema, load_case, parse_case
+from taichiflap.case.template import commented_case
+from taichiflap.run import warnings
 
 GOOD = tomllib.loads((CASES / "hawkmoth.toml").read_text())
 
@@ -280,9 +280,9 @@ def test_the_template_is_a_valid_case_that_names_every_key():
     ],
 )
 def test_implausible_cases_are_warned_about(setting, phrase):
-    assert phrase in "\n".join(plausible.warnings(hawkmoth(setting)))
+    assert phrase in "\n".join(warnings.warnings(hawkmoth(setting)))
 
 
 def test_shipped_cases_are_plausible():
     for file in CASES.glob("*.toml"):
-        assert plausible.warnings(taichiflap.load_case(file)) == []
+        assert warnings.warnings(taichiflap.load_case(file)) == []

@@ -6,9 +6,11 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer.frames import Run
 
 import taichiflap
-from taichiflap import beats, metrics, theory
-from taichiflap.case import parse_case
-from taichiflap.sections.uvlm import Uvlm
+from taichiflap import theory
+from taichiflap.case.case import parse_case
+from taichiflap.case.uvlm import Uvlm
+from taichiflap.metrics import beats
+from taichiflap.metrics import summary as metrics
 
 pytestmark = pytest.mark.slow
 

@@ -6,9 +6,9 @@ from conftest import assert_columns_agree, hawkmoth, march
 from oracle import DbetOracle
 
 from taichiflap import fluids
-from taichiflap.body import AXIAL, NORMAL, UNSTEADY
-from taichiflap.march import March
-from taichiflap.runtime import view
+from taichiflap.kernels.runtime import view
+from taichiflap.march.march import March
+from taichiflap.march.state import AXIAL, NORMAL, UNSTEADY
 
 GRADED = ("wing.span=[[0, 0.05], [0.5, 0.06], [1, 0]]", "wing.thickness=[[0, 60e-6], [1, 20e-6]]")
 SHORT = ("solver=dbet", "dbet.elements=11", "time.periods=1", "time.steps_per_period=40")

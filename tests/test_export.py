@@ -12,10 +12,13 @@ from PIL import Image
 from test_cli import run
 
 import taichiflap
-from taichiflap import animation, cli, hdf, palette
+from taichiflap import cli
+from taichiflap.drawing import palette
 from taichiflap.errors import UserError
-from taichiflap.export import export
-from taichiflap.variables import VARIABLES
+from taichiflap.export import film as animation
+from taichiflap.export.formats import export
+from taichiflap.results import hdf
+from taichiflap.results.variables import VARIABLES
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from conftest import assert_columns_agree, hawkmoth, march
 
 import taichiflap
 from taichiflap import fluids, theory
-from taichiflap.case import CaseError, parse_case
+from taichiflap.case.case import CaseError, parse_case
 from taichiflap.cli import main
 from taichiflap.errors import UserError
 

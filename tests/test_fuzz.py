@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import taichiflap
-from taichiflap import hdf, maps
 from taichiflap.errors import UserError
+from taichiflap.maps import file as maps
+from taichiflap.results import hdf
 
 
 @pytest.mark.slow
@@ -100,7 +101,7 @@ def test_text_in_a_file_cannot_steer_the_terminal(tmp_path, good):
         case = file.attrs["case"].decode().replace('title = "', 'title = "\x7f')
         hdf.note(file, {"title": "\x1b[2Jcleared", "warnings": "\x1b]0;title\x07", "case": case})
     with taichiflap.open_result(path) as result:
-        said = "\n".join(taichiflap.report.summary_lines(result)) + str(result.attributes)
+        said = "\n".join(taichiflap.commands.summary.summary_lines(result)) + str(result.attributes)
     assert "\x1b" not in said
     assert "\x07" not in said
 

@@ -4,30 +4,35 @@ import inspect
 
 import pytest
 
-from taichiflap import absorb, body, haste, lattice, linear, march, slip, vortex, wake
-from taichiflap.fluids import dbet, uvlm
+from taichiflap.fluids import dbet
+from taichiflap.fluids.uvlm import lattice, merging, tangential, wake
+from taichiflap.fluids.uvlm import model as uvlm
+from taichiflap.kernels import linear, taichi_patches
+from taichiflap.march import march
+from taichiflap.march import state as body
+from taichiflap.vortex import sum as vortex
 
 
-@pytest.mark.parametrize("module", [absorb, body, lattice, linear, march, slip, vortex, wake, dbet, uvlm])
+@pytest.mark.parametrize("module", [merging, body, lattice, linear, march, tangential, vortex, wake, dbet, uvlm])
 def test_sources_are_those_that_inspect_finds(module):
     functions = [inspect.unwrap(one) for one in vars(module).values() if hasattr(one, "_is_taichi_function")]
     functions = [one for one in functions if one.__module__ == module.__name__]
     assert functions
     for function in functions:
-        assert haste._source(function) == inspect.getsourcelines(function)
+        assert taichi_patches._source(function) == inspect.getsourcelines(function)
 
 
 def test_a_function_without_a_file_is_left_to_inspect():
     made: dict = {}
     exec(compile("def nowhere(): pass", "<nowhere>", "exec"), made)
     with pytest.raises(OSError, match="source"):
-        haste._source(made["nowhere"])
+        taichi_patches._source(made["nowhere"])
 
 
 def test_a_kernel_in_a_class_is_told_from_one_in_a_function():
     class Holder:
-        inside = haste._inside_class(1)
+        inside = taichi_patches._inside_class(1)
 
     assert Holder.inside
-    assert not haste._inside_class(1)
-    assert not haste._inside_class(100_000)
+    assert not taichi_patches._inside_class(1)
+    assert not taichi_patches._inside_class(100_000)

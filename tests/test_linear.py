@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from taichiflap.linear import solve_few, solve_systems
-from taichiflap.runtime import Floats3, start, ti
+from taichiflap.kernels.linear import solve_few, solve_systems
+from taichiflap.kernels.runtime import Floats3, start, ti
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 8, 9, 16, 50])

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from conftest import CASES, hawkmoth, march
 
-from taichiflap import body, motion, series
-from taichiflap.body import MOMENT, RATE
-from taichiflap.runtime import available_threads, start, view
+from taichiflap.kernels.runtime import available_threads, start, view
+from taichiflap.march import loads
+from taichiflap.march import state as body
+from taichiflap.march.state import MOMENT, RATE
+from taichiflap.motion import sampling
 
 
 @pytest.mark.parametrize("solver", ["dbet", "uvlm"])
@@ -47,12 +49,12 @@ def energy_residual(solver, steps):
     frames, marched = march(case)
     section, moved = marched.sections[0], marched.motion[0]
     state, force = frames.q, frames.force
-    derived = series.derive(case, section, np.array([0.0, 0.02]), moved, vars(frames))
-    force_z, rate, theta_rate = derived["force_z"], moved[:, motion.PLUNGE_RATE], moved[:, motion.PITCH_RATE]
+    derived = loads.derive(case, section, np.array([0.0, 0.02]), moved, vars(frames))
+    force_z, rate, theta_rate = derived["force_z"], moved[:, sampling.PLUNGE_RATE], moved[:, sampling.PITCH_RATE]
     by_fluid = force_z * rate + force[:, MOMENT] * theta_rate
     by_fluid += np.sum(frames.modal_force * state[:, RATE], axis=1)
     lost = np.sum(2 * section.damping_ratio * section.omega * state[:, RATE] ** 2, axis=1)
-    energy = series.mechanical_energy(section, moved, state)
+    energy = loads.mechanical_energy(section, moved, state)
     flow = derived["power"] + by_fluid - lost
     beat = slice(steps, None)
     work = np.trapezoid(flow[beat], dx=case.step)

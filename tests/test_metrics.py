@@ -8,11 +8,13 @@ import pytest
 from conftest import hawkmoth
 
 import taichiflap
-from taichiflap import metrics, motion, report
-from taichiflap.beats import settled_beats, whole_beats
-from taichiflap.case import parse_case
-from taichiflap.studies import quantities
-from taichiflap.variables import VARIABLES
+from taichiflap.case.case import parse_case
+from taichiflap.commands import summary as report
+from taichiflap.metrics import names as quantities
+from taichiflap.metrics import summary as metrics
+from taichiflap.metrics.beats import settled_beats, whole_beats
+from taichiflap.motion import sampling
+from taichiflap.results.variables import VARIABLES
 
 
 def synthetic(case, **series):
@@ -196,14 +198,14 @@ def test_phase_of_the_first_harmonic_to_the_stroke(lag, phase, every):
 def test_a_force_that_goes_with_the_plunge_leads_it_by_its_lead(settings, lead):
     case = hawkmoth("time.periods=2", *settings)
     times = case.step * np.arange(case.steps + 1) + lead / 360.0 * case.beat
-    plunge = motion.sample(case.motion, times)[:, motion.PLUNGE]
+    plunge = sampling.sample(case.motion, times)[:, sampling.PLUNGE]
     found = metrics.summarise(synthetic(case, force_normal=lambda t: 40.0 * plunge)).force_normal_phase
     assert (abs(found) if lead == 180.0 else found) == pytest.approx(lead, abs=1e-6)
 
 
 def test_a_force_that_goes_with_a_growing_plunge_is_in_phase_with_it():
     case = hawkmoth("time.periods=2", "motion.start_up_periods=4.0", "motion.plunge.phase_deg=20.0")
-    plunge = motion.sample(case.motion, case.step * np.arange(case.steps + 1))[:, motion.PLUNGE]
+    plunge = sampling.sample(case.motion, case.step * np.arange(case.steps + 1))[:, sampling.PLUNGE]
     made = synthetic(case, force_normal=lambda t: 40.0 * plunge)
     for beats in (whole_beats(case, made.time).after(1), whole_beats(case, made.time[:201])):
         assert metrics.summarise(made, beats).force_normal_phase == pytest.approx(0.0, abs=0.5)
@@ -282,7 +284,7 @@ def test_reversals_a_few_steps_apart_are_told_apart():
     document["motion"] = {"plunge": {"kind": "table", "points": points}, "pitch": {"amplitude_deg": 0.0}}
     for case, least in ((quick, 50), (parse_case(document), 5)):
         beats = np.linspace(0.0, 1.0, 50_001)
-        rising = motion.sample(case.motion, beats * case.beat)[:, motion.PLUNGE_RATE] > 0.0
+        rising = sampling.sample(case.motion, beats * case.beat)[:, sampling.PLUNGE_RATE] > 0.0
         expected = beats[np.flatnonzero(rising[1:] != rising[:-1])]
         assert len(expected) >= least
         np.testing.assert_allclose(metrics.reversals(case, 0.0, 1.0), expected, rtol=0, atol=2.1e-5)
@@ -378,8 +380,8 @@ def test_what_the_wake_lost_is_a_share_of_the_speed_of_the_wings_middle():
     """Over the beats that are asked for alone, of a wing that plunges and pitches in a stream of 3 and 4 m/s."""
     case = hawkmoth("time.periods=4", "time.steps_per_period=2000", "fluid.velocity=[3.0, 4.0]")
     made = synthetic(case, force_y=np.ones_like)
-    moved = motion.sample(case.motion, made.time)
-    made.plunge, made.pitch = moved[:, motion.PLUNGE], moved[:, motion.PITCH]
+    moved = sampling.sample(case.motion, made.time)
+    made.plunge, made.pitch = moved[:, sampling.PLUNGE], moved[:, sampling.PITCH]
     made.wake_lost = np.where(made.time <= 0.08, 100.0, 0.5)
     made.variables = (*made.variables, "wake_lost")
     beats = whole_beats(case, made.time).after(2)

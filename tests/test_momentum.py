@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import hawkmoth
 
-from taichiflap.studies import momentum
+from taichiflap.validation import momentum
 
 pytestmark = pytest.mark.slow
 

@@ -5,10 +5,11 @@ import pytest
 from conftest import hawkmoth, march
 
 import taichiflap
-from taichiflap import longwake, multipole, wake
-from taichiflap.multipole import LEAF, ORDER, Tree, expand, induce_by_tree, octet_at
-from taichiflap.runtime import LANE, Floats3, start, ti, view
-from taichiflap.vortex import TINY, Y, Z, induced_velocity, store_octet
+from taichiflap.fluids.uvlm import long_wake, wake
+from taichiflap.kernels.runtime import LANE, Floats3, start, ti, view
+from taichiflap.vortex import multipole
+from taichiflap.vortex.multipole import LEAF, ORDER, Tree, expand, induce_by_tree, octet_at
+from taichiflap.vortex.sum import TINY, Y, Z, induced_velocity, store_octet
 
 CORE = 0.01
 
@@ -86,7 +87,7 @@ def test_the_curve_keeps_neighbours_together(rng):
 def test_a_wide_march_gives_the_bits_of_a_fused_one(monkeypatch):
     case = hawkmoth("uvlm.wake=all", "time.periods=1", "uvlm.panels=9")
     fused, _ = march(case)
-    monkeypatch.setattr(longwake, "WIDE", 60)
+    monkeypatch.setattr(long_wake, "WIDE", 60)
     for block in (1000, 7):
         wide, marched = march(case, block=block)
         assert marched._ahead.first == 60
@@ -96,13 +97,13 @@ def test_a_wide_march_gives_the_bits_of_a_fused_one(monkeypatch):
 
 @pytest.mark.slow
 def test_a_march_by_tree_is_itself_in_any_company_and_near_the_sum_over_pairs(monkeypatch):
-    monkeypatch.setattr(longwake, "FAR", 60)
+    monkeypatch.setattr(long_wake, "FAR", 60)
     settings = ("uvlm.wake=all", "time.periods=1", "uvlm.panels=9", "uvlm.core=0.02")
     exact, treed = hawkmoth(*settings), hawkmoth(*settings, "uvlm.far_error=1e-4")
     pairs, _ = march(exact)
     alone, marched = march(treed)
     error = view(marched.groups["wake"].tally)[0, wake.FAR_ERROR]
-    assert 0.0 < error < 1e-4 * longwake.typical_speed_of(treed)
+    assert 0.0 < error < 1e-4 * long_wake.typical_speed_of(treed)
     np.testing.assert_allclose(alone.force, pairs.force, atol=1e-4 * np.abs(pairs.force).max())
     assert not np.array_equal(alone.force, pairs.force)
     for threads in (1, None):
@@ -113,11 +114,11 @@ def test_a_march_by_tree_is_itself_in_any_company_and_near_the_sum_over_pairs(mo
 
 @pytest.mark.slow
 def test_the_error_found_is_in_the_result_of_a_case_that_allows_one(monkeypatch):
-    monkeypatch.setattr(longwake, "FAR", 60)
+    monkeypatch.setattr(long_wake, "FAR", 60)
     case = hawkmoth("uvlm.wake=all", "time.periods=1", "uvlm.panels=9", "uvlm.far_error=1e-3", "uvlm.core=0.02")
     found = taichiflap.simulate(case)
     error = found.wake_far_error
     assert np.all(np.diff(error) >= 0.0)
-    assert error[59] == 0.0 < error[-1] < 1e-3 * longwake.typical_speed_of(case)
+    assert error[59] == 0.0 < error[-1] < 1e-3 * long_wake.typical_speed_of(case)
     assert taichiflap.summarise(found).wake_far_error == error[-1]
     assert "wake_far_error" not in taichiflap.simulate(case.override("uvlm.far_error=0")).variables

@@ -15,7 +15,7 @@ from conftest import CASES, hawkmoth
 
 import taichiflap
 from taichiflap import cli
-from taichiflap.case import parse_case
+from taichiflap.case.case import parse_case
 
 pytestmark = pytest.mark.slow
 

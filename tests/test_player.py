@@ -13,9 +13,10 @@ import pytest
 from conftest import CASES, hawkmoth
 
 import taichiflap
-from taichiflap import palette, player, scene
+from taichiflap.drawing import palette, scene
 from taichiflap.errors import UserError
-from taichiflap.export import export
+from taichiflap.export import page as player
+from taichiflap.export.formats import export
 
 pytestmark = pytest.mark.slow
 

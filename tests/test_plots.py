@@ -14,9 +14,12 @@ from matplotlib.quiver import QuiverKey
 from matplotlib.text import Text
 
 import taichiflap
-from taichiflap import cli, metrics, palette, plots, scene
-from taichiflap.beats import Beats
+from taichiflap import cli
+from taichiflap.drawing import palette, scene
 from taichiflap.errors import UserError
+from taichiflap.metrics import summary as metrics
+from taichiflap.metrics.beats import Beats
+from taichiflap.plots import result as plots
 
 pytestmark = pytest.mark.slow
 

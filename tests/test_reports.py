@@ -10,9 +10,10 @@ import pytest
 
 import taichiflap
 from taichiflap._version import __version__
-from taichiflap.studies import oscillation, paper, plate, start, structure
-from taichiflap.studies.checks import accurate
-from taichiflap.studies.paper import Settings
+from taichiflap.published.reade2020 import paper
+from taichiflap.published.reade2020.paper import Settings
+from taichiflap.validation import oscillation, start, steady, structure
+from taichiflap.validation.checks import accurate
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +35,7 @@ def test_pages_are_of_this_version():
 
 def test_validation_holds_what_the_studies_measure():
     cheap = (
-        plate.steady(), plate.camber(), plate.added_mass(), structure.modes(), structure.wet_frequency(steps=(200,)),
+        steady.steady(), steady.camber(), steady.added_mass(), structure.modes(), structure.wet_frequency(steps=(200,)),
         start.wagner(((accurate(), start.TRAVEL),)), *oscillation.oscillation(frequencies=(0.5,), refined=(8, 12)),
     )  # fmt: skip
     written = {row[0]: row for row in rows(VALIDATION)}

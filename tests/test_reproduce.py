@@ -12,13 +12,14 @@ from test_cli import run
 from test_reports import REPRODUCTION, rows
 
 import taichiflap
-from taichiflap.beats import settled_beats
-from taichiflap.metrics import harmonic
-from taichiflap.outputs import OutputError
-from taichiflap.studies import literal, page, paper, plan, reproduce, rigid_lattice
-from taichiflap.studies.paper import Settings
-from taichiflap.studies.plan import RIGID, key
-from taichiflap.studies.verdict import Verdict
+from taichiflap.files import OutputError
+from taichiflap.metrics.beats import settled_beats
+from taichiflap.metrics.summary import harmonic
+from taichiflap.published import page
+from taichiflap.published.reade2020 import literal, paper, plan, reproduce, rigid_lattice
+from taichiflap.published.reade2020.paper import Settings
+from taichiflap.published.reade2020.plan import RIGID, key
+from taichiflap.published.reade2020.verdict import Verdict
 
 pytestmark = pytest.mark.slow
 

@@ -11,9 +11,10 @@ import xarray
 from conftest import CASES, hawkmoth
 
 import taichiflap
-from taichiflap import checkpoint, results, run
-from taichiflap.case import parse_case
-from taichiflap.variables import VARIABLES
+from taichiflap.case.case import parse_case
+from taichiflap.results import checkpoint, reader
+from taichiflap.results.variables import VARIABLES
+from taichiflap.run import blocks
 
 SHORT = ("time.periods=2", "uvlm.panels=10", "uvlm.wake=50", "wing.modes=2")
 
@@ -119,7 +120,7 @@ def test_in_memory_and_on_disk_are_the_same(uvlm_file):
 
 def test_no_bit_depends_on_where_the_blocks_end(monkeypatch):
     whole = taichiflap.simulate(hawkmoth(*SHORT))
-    monkeypatch.setattr(run, "BLOCK_STEPS", 13)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 13)
     in_pieces = taichiflap.simulate(hawkmoth(*SHORT))
     for name in whole.variables:
         np.testing.assert_array_equal(getattr(whole, name), getattr(in_pieces, name), err_msg=name)
@@ -189,7 +190,7 @@ def test_a_killed_run_leaves_its_frames_readable(tmp_path):
 
 def test_an_interrupted_run_is_closed_and_readable(tmp_path, monkeypatch):
     path = tmp_path / "run.h5"
-    monkeypatch.setattr(run, "BLOCK_STEPS", BLOCK)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", BLOCK)
 
     def interrupt(done, total):
         raise KeyboardInterrupt
@@ -224,7 +225,7 @@ def damaged_files(folder, good):
     with h5py.File(folder / "foreign.h5", "w") as foreign:
         foreign["x"] = 1
     with h5py.File(folder / "newer.h5", "w") as newer:
-        newer.attrs["taichiflap_format"] = results.FORMAT + 1
+        newer.attrs["taichiflap_format"] = reader.FORMAT + 1
     (folder / "text.h5").write_text("hello")
     (folder / "empty.h5").write_bytes(b"")
     (folder / "cut.h5").write_bytes(whole[: len(whole) // 3])
@@ -251,7 +252,7 @@ def test_damaged_and_foreign_files_are_refused_in_a_sentence(tmp_path, uvlm_file
 
 
 def test_a_resume_of_what_cannot_be_read_names_the_file(tmp_path, uvlm_file):
-    left = results.part(tmp_path / "run.h5")
+    left = reader.part(tmp_path / "run.h5")
     left.write_bytes(uvlm_file.read_bytes())
     with h5py.File(left, "r+") as file:
         file.attrs["case"] = file.attrs["case"].decode()
@@ -282,7 +283,7 @@ def assert_same(first, second):
 def test_a_resumed_run_is_the_uninterrupted_one_bit_for_bit(tmp_path, monkeypatch, settings):
     case = hawkmoth(*SHORT, *settings)
     taichiflap.simulate(case, tmp_path / "whole.h5").close()
-    monkeypatch.setattr(run, "BLOCK_STEPS", 61)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 61)
     monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
     resumed_from = []
 
@@ -322,7 +323,7 @@ def test_a_batch_resumes_cases_that_stopped_at_different_steps(tmp_path, monkeyp
     ]
     for i, case in enumerate(cases):
         taichiflap.simulate(case, tmp_path / f"whole{i}.h5").close()
-    monkeypatch.setattr(run, "BLOCK_STEPS", 70)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 70)
     monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
     paths = [tmp_path / f"run{i}.h5" for i in range(3)]
     interrupted(cases[0], paths[0])
@@ -337,7 +338,7 @@ def test_a_batch_resumes_cases_that_stopped_at_different_steps(tmp_path, monkeyp
 def test_a_lost_or_damaged_checkpoint_costs_time_alone(tmp_path, monkeypatch):
     case = hawkmoth(*SHORT)
     taichiflap.simulate(case, tmp_path / "whole.h5").close()
-    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 100)
     monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
     for i, spoil in enumerate((lambda data: None, lambda data: data[:999], lambda data: b"not a zip")):
         path = tmp_path / f"run{i}.h5"
@@ -388,7 +389,7 @@ def test_two_cases_do_not_share_a_file(tmp_path):
 
 def test_the_numbers_of_a_file_that_is_written_are_nan_until_they_are_known(tmp_path, monkeypatch):
     path = tmp_path / "run.h5"
-    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 100)
     interrupted(hawkmoth(*SHORT), path)
     with xarray.open_dataset(tmp_path / "run.h5.part", engine="h5netcdf") as dataset:
         assert dataset.sizes["time"] == 401

@@ -5,18 +5,19 @@ import pytest
 from conftest import hawkmoth
 
 import taichiflap
-from taichiflap import map_plots, maps
-from taichiflap.design import DesignError, design
+from taichiflap.commands.map_summary import map_lines
 from taichiflap.errors import UserError
-from taichiflap.map_report import map_lines
-from taichiflap.maps import MapError
-from taichiflap.outcome import Outcome
-from taichiflap.pareto import pareto_front
+from taichiflap.maps import file as maps
+from taichiflap.maps.design import DesignError, design
+from taichiflap.maps.file import MapError
+from taichiflap.maps.outcome import Outcome
+from taichiflap.metrics.names import QUANTITIES
+from taichiflap.metrics.pareto import pareto_front
+from taichiflap.plots import maps as map_plots
 from taichiflap.studies import converge as convergence
 from taichiflap.studies.converge import ConvergeError, converge, read_tolerance
 from taichiflap.studies.expression import ExpressionError, read_constraint, read_expression
 from taichiflap.studies.optimise import optimise, verdict
-from taichiflap.studies.quantities import QUANTITIES
 
 pytestmark = pytest.mark.slow
 

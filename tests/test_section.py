@@ -9,9 +9,10 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.special import iv, jv
 
-from taichiflap import beam, series
-from taichiflap.profile import Profile
-from taichiflap.section import Section
+from taichiflap.march import loads
+from taichiflap.structure import beam
+from taichiflap.structure.chordwise import Profile
+from taichiflap.structure.distribution import Section
 
 E, RHO, H, T, C = 24.5e9, 1000.0, 0.05, 40e-6, 0.02
 GRADED = (
@@ -239,7 +240,7 @@ def test_inertial_power_is_the_rate_of_the_kinetic_energy_of_all_points(settings
     turned = np.cos(value[1]), np.sin(value[1])
     moved = np.array([[value[0], rate[0], accel[0], value[1], rate[1], accel[1], *turned]])
     state = np.array([[value[2:], rate[2:], accel[2:]]])
-    found = series.inertial_power(section, moved, state)[0]
+    found = loads.inertial_power(section, moved, state)[0]
     if section.count:  # the modes take their own share of the energy: what is left is the actuator's
         theta_rate = rate[1]
         lifted = section.lam * accel[0] * np.cos(value[1]) + section.psi * accel[1] - theta_rate**2 * value[2:]

@@ -11,11 +11,14 @@ import xarray
 from conftest import CASES, done, hawkmoth
 
 import taichiflap
-from taichiflap import maps, outcome, progress
-from taichiflap.case import parse_case
-from taichiflap.design import design, read_vary
+from taichiflap.case.case import parse_case
+from taichiflap.commands import progress
 from taichiflap.errors import UserError
-from taichiflap.studies import batch, quantities
+from taichiflap.maps import file as maps
+from taichiflap.maps import outcome
+from taichiflap.maps.design import design, read_vary
+from taichiflap.metrics import names as quantities
+from taichiflap.studies import batch
 from taichiflap.studies.sweep import fill, prepare
 
 pytestmark = pytest.mark.slow
@@ -363,7 +366,7 @@ def test_a_map_has_its_name_when_it_is_laid_out_and_not_before(case, tmp_path, m
         assert not (tmp_path / "map.h5").exists()
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("taichiflap.map_layout.lay_out", crash)
+    monkeypatch.setattr("taichiflap.maps.layout.lay_out", crash)
     with pytest.raises(KeyboardInterrupt):
         prepare(case, planned, tmp_path / "map.h5")
     assert not list(tmp_path.iterdir())

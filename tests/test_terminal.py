@@ -12,10 +12,10 @@ import pytest
 from conftest import CASES
 
 import taichiflap
-from taichiflap import cli, progress
-from taichiflap.commands import interrupts
-from taichiflap.outcome import Outcome
-from taichiflap.studies.quantities import QUANTITIES
+from taichiflap import cli
+from taichiflap.commands import interrupts, progress
+from taichiflap.maps.outcome import Outcome
+from taichiflap.metrics.names import QUANTITIES
 
 pytestmark = pytest.mark.slow
 

@@ -10,9 +10,9 @@ from conftest import hawkmoth, march
 from scipy.special import hankel2
 
 from taichiflap import theory
-from taichiflap.body import MOMENT, NORMAL
-from taichiflap.studies import oscillation
-from taichiflap.studies.checks import accurate, run
+from taichiflap.march.state import MOMENT, NORMAL
+from taichiflap.validation import oscillation
+from taichiflap.validation.checks import accurate, run
 
 CHORD, SPAN, DENSITY = 0.02, 0.05, 1.225
 WAGNER = {1: 0.6006056, 2: 0.6692896, 5: 0.7882032, 10: 0.8750447, 20: 0.9366493}

@@ -14,12 +14,13 @@ import pytest
 from conftest import hawkmoth
 
 import taichiflap
-from taichiflap import checkpoint, plausible, run
+from taichiflap.commands.summary import summary_lines
 from taichiflap.errors import UserError
-from taichiflap.export import FORMATS, export
-from taichiflap.plots import plot
-from taichiflap.report import summary_lines
-from taichiflap.writer import WriteError
+from taichiflap.export.formats import FORMATS, export
+from taichiflap.plots.result import plot
+from taichiflap.results import checkpoint
+from taichiflap.results.writer import WriteError
+from taichiflap.run import blocks, warnings
 
 SHORT = ("time.periods=2", "uvlm.panels=8", "uvlm.wake=50", "wing.modes=2")
 
@@ -69,7 +70,7 @@ def test_a_disk_without_room_is_one_sentence_and_no_file(tmp_path):
 
 def test_a_disk_that_fills_up_costs_no_frame_that_was_written(tmp_path, whole, monkeypatch):
     path = tmp_path / "run.h5"
-    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 100)
     with (
         pytest.raises(WriteError, match=r"run\.h5: cannot be written: File too large"),
         contextlib.ExitStack() as stack,
@@ -101,7 +102,7 @@ def test_a_folder_that_may_not_be_written_is_one_sentence(whole):
 @pytest.mark.parametrize("seconds", [0.0, 1e9])
 def test_a_folder_that_vanishes_is_one_sentence(tmp_path, monkeypatch, seconds):
     monkeypatch.setattr(checkpoint, "SECONDS", seconds)
-    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 100)
     folder = tmp_path / "folder"
     folder.mkdir()
     with pytest.raises(WriteError, match=r"run\.h5: .*cannot be written: No such file"):
@@ -177,7 +178,7 @@ def test_no_file_tells_of_the_machine_that_made_it(tmp_path, whole, monkeypatch)
 
 def test_what_came_of_a_case_is_looked_at_too(tmp_path, monkeypatch):
     """In the file and in the summary; the same when the run was interrupted, for the peak may lie before that."""
-    monkeypatch.setattr(run, "BLOCK_STEPS", 100)
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 100)
     monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
     gentle = ("motion.plunge.amplitude=0.002", "motion.pitch.amplitude_deg=2.0", "fluid.velocity=[1.0, 0.0]")
     for name, settings, phrases in (
@@ -210,6 +211,6 @@ def test_what_came_of_a_case_is_looked_at_too(tmp_path, monkeypatch):
 
 def test_a_file_as_large_as_a_disk_is_warned_of():
     long = hawkmoth("uvlm.wake=all", "time.periods=1000")
-    (said,) = plausible.warnings(long)
+    (said,) = warnings.warnings(long)
     assert "the result file will take 320 GB; a larger output.every" in said
-    assert not plausible.warnings(long.override("output.every=100"))
+    assert not warnings.warnings(long.override("output.every=100"))

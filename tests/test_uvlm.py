@@ -5,10 +5,11 @@ import pytest
 from conftest import assert_columns_agree, hawkmoth, march
 from oracle import UvlmOracle, velocity
 
-from taichiflap import absorb, fluids, longwake, wake
-from taichiflap.march import March
-from taichiflap.runtime import Floats2, Floats3, start, ti
-from taichiflap.runtime import view as numpy_view
+from taichiflap import fluids
+from taichiflap.fluids.uvlm import long_wake, merging, wake
+from taichiflap.kernels.runtime import Floats2, Floats3, start, ti
+from taichiflap.kernels.runtime import view as numpy_view
+from taichiflap.march.march import March
 
 ACCURATE = (
     "uvlm.spacing=cosine", "uvlm.loads=vortices", "uvlm.shedding=local", "uvlm.convection=second_order",
@@ -193,7 +194,7 @@ def test_a_march_in_single_precision_is_itself_in_any_company_and_near_the_doubl
     together, _ = march([double, single])
     np.testing.assert_array_equal(together[0].force, exact.force)
     np.testing.assert_array_equal(together[1].force, alone.force)
-    monkeypatch.setattr(longwake, "WIDE", 60)
+    monkeypatch.setattr(long_wake, "WIDE", 60)
     wide, _ = march(single, threads=2)
     np.testing.assert_array_equal(wide.force, alone.force)
 
@@ -240,7 +241,7 @@ def test_wake_of_frames_runs_from_the_oldest_to_the_youngest():
 @ti.kernel
 def make_room_once(wakes: wake.Wake, y: ti.f64, z: ti.f64):
     for i in range(1):
-        absorb.make_room(wakes, 0, y, z, True)
+        merging.make_room(wakes, 0, y, z, True)
 
 
 def absorbing(rng, count, *settings):

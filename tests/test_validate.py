@@ -6,8 +6,18 @@ from conftest import CASES
 from typer.testing import CliRunner
 
 from taichiflap import cli
-from taichiflap.studies import orders, oscillation, plate, start, structure, validate, validation_report
-from taichiflap.studies.checks import Chart, Check, Curve, Row, accurate, observed_order, papers
+from taichiflap.validation import (
+    orders,
+    oscillation,
+    start,
+    steady,
+    structure,
+    validate,
+)
+from taichiflap.validation import (
+    report as validation_report,
+)
+from taichiflap.validation.checks import Chart, Check, Curve, Row, accurate, observed_order, papers
 
 pytestmark = pytest.mark.slow
 
@@ -18,7 +28,7 @@ def errors(check):
 
 
 def test_steady_plate():
-    check = plate.steady((accurate(10), accurate(), papers()))
+    check = steady.steady((accurate(10), accurate(), papers()))
     assert check.passed
     found = list(errors(check).values())
     assert max(map(abs, found[:3])) < 1e-7
@@ -29,15 +39,15 @@ def test_steady_plate():
 
 def test_camber_of_the_curve_itself_and_of_straight_panels():
     exact = 4 * np.pi * 0.01
-    error = [plate.bent_lift(papers(panels), 0.01, 0.0) / exact - 1 for panels in (10, 50)]
+    error = [steady.bent_lift(papers(panels), 0.01, 0.0) / exact - 1 for panels in (10, 50)]
     assert error == pytest.approx([-0.1, -0.02], abs=2e-3)
-    check = plate.camber((accurate(10), accurate()))
+    check = steady.camber((accurate(10), accurate()))
     assert check.passed
     assert list(errors(check).values()) == pytest.approx([-0.0034, -0.0034, -0.02], abs=1e-3)
 
 
 def test_added_mass():
-    check = plate.added_mass((accurate(),))
+    check = steady.added_mass((accurate(),))
     assert check.passed
     assert list(errors(check).values()) == pytest.approx([0.08, 0.12, 0.12, 0.16], abs=0.02)
 

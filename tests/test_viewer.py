@@ -25,8 +25,8 @@ from websockets.sync.client import connect
 
 import taichiflap
 from taichiflap import open_result
-from taichiflap.results import ResultError, part
-from taichiflap.writer import Writer
+from taichiflap.results.reader import ResultError, part
+from taichiflap.results.writer import Writer
 
 CAMERA = {
     "type": "ViewerCameraMessage", "wxyz": [1.0, 0.0, 0.0, 0.0], "position": [0.0, -50.0, 0.0],

@@ -20,12 +20,12 @@ from conftest import CASES, hawkmoth
 from matplotlib.image import imread
 from taichiflap_viewer import Viewer
 from taichiflap_viewer.colours import DARK, LIGHT, METRIC, linear, rgb
-from taichiflap_viewer.map import MapViewer
-from taichiflap_viewer.map_scene import HEIGHT, WIDTH
+from taichiflap_viewer.maps.scene import HEIGHT, WIDTH
+from taichiflap_viewer.maps.viewer import MapViewer
 from test_cli import frames_in
 
 import taichiflap
-from taichiflap.pareto import pareto_front
+from taichiflap.metrics.pareto import pareto_front
 
 CHROMIUM = shutil.which("chromium")
 FLAGS = [

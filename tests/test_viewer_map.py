@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from conftest import hawkmoth
-from taichiflap_viewer.map import MapViewer
-from taichiflap_viewer.map_picture import Choice, held, opening, read
+from taichiflap_viewer.maps.picture import Choice, held, opening, read
+from taichiflap_viewer.maps.viewer import MapViewer
 
-from taichiflap import maps
-from taichiflap.design import design
-from taichiflap.maps import MapError
-from taichiflap.outcome import Outcome
-from taichiflap.variables import Variable
+from taichiflap.maps import file as maps
+from taichiflap.maps.design import design
+from taichiflap.maps.file import MapError
+from taichiflap.maps.outcome import Outcome
+from taichiflap.results.variables import Variable
 
 KEYS = {"wing.youngs_modulus": "5e9:60e9:5:log", "motion.pitch.amplitude_deg": "5:45:3", "solver": "dbet,uvlm"}
 METRICS = {"force_vertical_mean": Variable((), "N", "lift"), "power_mean": Variable((), "W", "power")}

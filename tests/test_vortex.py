@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from oracle import velocity
 
-from taichiflap.vortex import induced_velocity
+from taichiflap.vortex.sum import induced_velocity
 
 
 def test_matches_a_plain_double_loop(rng):

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from taichiflap import Result, open_result
-from taichiflap.maps import is_map
-from taichiflap.results import PART, ResultError, part
+from taichiflap.maps.file import is_map
+from taichiflap.results.reader import PART, ResultError, part
 
 from . import camera, compare
 from .colours import theme
@@ -166,7 +166,7 @@ def view(
     """
     viewer: Server
     if len(paths) == 1 and is_map(Path(paths[0])):
-        from .map import MapViewer  # noqa: PLC0415 - a result does without
+        from .maps.viewer import MapViewer  # noqa: PLC0415 - a result does without
 
         viewer = MapViewer(paths[0], host, port)
     else:

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from taichiflap.results import part
+from taichiflap.results.reader import part
 
 LOOK_SECONDS = 0.1
 

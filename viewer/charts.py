@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from taichiflap.metrics import in_stream
+from taichiflap.metrics.summary import in_stream
 from taichiflap.notation import prefixed
-from taichiflap.variables import VARIABLES
+from taichiflap.results.variables import VARIABLES
 
 from . import wire
 from .colours import Theme, css

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taichiflap import palette
+from taichiflap.drawing import palette
 
 Rgb = tuple[int, int, int]
 Colours = NDArray[np.uint8]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 
-from taichiflap.metrics import Summary
+from taichiflap.metrics.summary import Summary
 from taichiflap.notation import prefixed
 
 from .colours import Theme

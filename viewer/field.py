@@ -119,7 +119,7 @@ class Fields:
 
 
 def _velocity(places: Array, sources: Array, core: float) -> Array:
-    from taichiflap.vortex import induced_velocity  # noqa: PLC0415 - not for a result without a wake
+    from taichiflap.vortex.sum import induced_velocity  # noqa: PLC0415 - not for a result without a wake
 
     return induced_velocity(places, sources, core)
 

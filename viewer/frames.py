@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from taichiflap import Result, motion
-from taichiflap.metrics import Summary, reversals, summarise
-from taichiflap.results import ResultError
-from taichiflap.scene import when
+from taichiflap import Result
+from taichiflap.drawing.scene import when
+from taichiflap.metrics.summary import Summary, reversals, summarise
+from taichiflap.motion import sampling
+from taichiflap.results.reader import ResultError
 
 from .survey import Ranges, survey
 
@@ -91,7 +92,7 @@ class Run:
         self.title = self.case.title or label
         self.frames_per_beat = self.case.steps_per_beat / self.case.output.every
         moments = self.case.motion.growth + self.case.beat * np.linspace(0.0, 1.0, PATH_SAMPLES)
-        plunge = motion.sample(self.case.motion, moments)[:, motion.PLUNGE] / self.chord
+        plunge = sampling.sample(self.case.motion, moments)[:, sampling.PLUNGE] / self.chord
         self.path = float(plunge.min()), float(plunge.max())
         self._turns = len(reversals(self.case, 0.0, 1.0 + self.case.motion.growth / self.case.beat)) > 0
         self._lock = threading.RLock()
@@ -167,7 +168,7 @@ class Run:
             return ""
         # A reversal belongs to the half-stroke that it begins.
         moment = (index / self.frames_per_beat + 1e-6) * self.case.beat
-        rate = motion.sample(self.case.motion, np.array([moment]))[0, motion.PLUNGE_RATE]
+        rate = sampling.sample(self.case.motion, np.array([moment]))[0, sampling.PLUNGE_RATE]
         return "half-stroke to the right" if rate > 0.0 else "half-stroke to the left"
 
     def when(self, index: int) -> str:
@@ -221,9 +222,9 @@ class Run:
 
     def _read(self, index: int) -> Frame:
         result, scale = self.result, 1.0 / self.chord
-        now = motion.sample(self.case.motion, np.array([self.case.step * self.case.output.every * index]))[0]
+        now = sampling.sample(self.case.motion, np.array([self.case.step * self.case.output.every * index]))[0]
         plunge, plunge_rate, pitch, pitch_rate = now[
-            [motion.PLUNGE, motion.PLUNGE_RATE, motion.PITCH, motion.PITCH_RATE]
+            [sampling.PLUNGE, sampling.PLUNGE_RATE, sampling.PITCH, sampling.PITCH_RATE]
         ]
         along = np.array([np.sin(pitch), -np.cos(pitch)])
         across = np.array([np.cos(pitch), np.sin(pitch)])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from taichiflap.case import Case
+from taichiflap.case.case import Case
 from tests import oracle
 
 

@@ -32,8 +32,8 @@ def sweep(
     overwrite: Overwrite = False,
 ) -> None:
     """Run a case for many values of its keys and write a map. Run it again after a crash: it goes on."""
-    from ..case import load_case
-    from ..design import design, read_vary
+    from ..case.case import load_case
+    from ..maps.design import design, read_vary
     from ..studies import sweep as study
 
     case = load_case(case_file, settings or ())
@@ -66,8 +66,8 @@ def converge(
     overwrite: Overwrite = False,
 ) -> None:
     """Find how fine is fine enough: panels or elements, steps, wake, beats and modes; exit code 1 if not found."""
-    from .. import map_plots
-    from ..case import load_case
+    from ..case.case import load_case
+    from ..plots import maps as map_plots
     from ..studies import converge as study
 
     share = study.read_tolerance(tolerance)
@@ -106,8 +106,8 @@ def optimise(
     overwrite: Overwrite = False,
 ) -> None:
     """Search ranges of keys for the best case, by differential evolution; exit code 1 if none meets the conditions."""
-    from ..case import load_case
-    from ..design import read_vary
+    from ..case.case import load_case
+    from ..maps.design import read_vary
     from ..studies import optimise as study
 
     case = load_case(case_file, settings or ())
@@ -130,13 +130,13 @@ def optimise(
 @contextmanager
 def progress(title: str) -> Iterator[Any]:
     """A bar of cases on a terminal; a line now and then in a log."""
-    from ..progress import cases, log
+    from .progress import cases, log
 
     with (cases if sys.stderr.isatty() else log)(title) as tell:
         yield tell
 
 
 def _print_map(sheet: Any) -> None:
-    from ..map_report import map_lines
+    from .map_summary import map_lines
 
     print("\n".join(map_lines(sheet)))

@@ -6,8 +6,11 @@ The models of this package go by their names; any other module that Python can i
 import importlib
 from types import ModuleType
 
+from ..case.solver import ELSEWHERE
 from ..errors import UserError
-from ..sections.solver import ELSEWHERE
+
+MODELS = {"dbet": "dbet", "uvlm": "uvlm.model"}
+"""Module of this package for each solver of the case file."""
 
 INTERFACE = (
     "GROUPS", "allocate", "film", "trim", "nodes", "vortices", "work", "frame_bytes", "prepare", "settle", "record",
@@ -26,7 +29,7 @@ def load(solver: str) -> ModuleType:
     """
     name = solver.removeprefix(ELSEWHERE)
     if name == solver:
-        return importlib.import_module(f"{__name__}.{name}")
+        return importlib.import_module(f".{MODELS[name]}", __name__)
     try:
         model = importlib.import_module(name)
     except ModuleNotFoundError as error:

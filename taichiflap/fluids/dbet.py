@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from .. import linear
-from ..beam import Modes
-from ..body import (
+from ..case.case import Case
+from ..kernels import linear
+from ..kernels.runtime import Floats1, Floats2, Ints1, Octet, Octets3, Singles3, View, ti
+from ..march.state import (
     ACCEL,
     AMPLITUDE,
     AXIAL,
@@ -30,11 +31,10 @@ from ..body import (
     octet_array,
     pivot_velocity,
 )
-from ..case import Case
-from ..motion import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
-from ..profile import Profile
-from ..runtime import Floats1, Floats2, Ints1, Octet, Octets3, Singles3, View, ti
-from ..vortex import TINY
+from ..motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from ..structure.beam import Modes
+from ..structure.chordwise import Profile
+from ..vortex.sum import TINY
 
 POSITION, AREA, R_Z, E_Y, W_RATE, NORMAL_TRACTION, SLOPE, ACCELERATION, PRESSURE, SHEAR = range(10)
 """Rows of the elements: distance behind the pivot and area (none where a batch pads); rigid part of u_z and elastic

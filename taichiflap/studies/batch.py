@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from .. import fluids, series
-from ..case import Case, CaseError
-from ..design import Design
-from ..march import March
-from ..outcome import Outcome
-from ..runtime import available_threads
-from .quantities import SERIES, measure
+from .. import fluids
+from ..case.case import Case, CaseError
+from ..kernels.runtime import available_threads
+from ..maps.design import Design
+from ..maps.outcome import Outcome
+from ..march import loads
+from ..march.march import March
+from ..metrics.names import SERIES, measure
 
 LAUNCH_WORK = 6e8
 """Work of one launch a thread, in pair interactions: about half a second, in which nothing can be interrupted."""
@@ -132,7 +133,7 @@ def compute(
             outcomes.append(Outcome(reason=march.reason(b)))
             continue
         frames = _joined([block[b] for block in blocks])
-        run = series.over_time(cases[b], march.sections[b], march.motion[b], frames)
+        run = loads.over_time(cases[b], march.sections[b], march.motion[b], frames)
         kept = {name: run[name] for name in ("time", *SERIES) if name in run} if keep_series else {}
         outcomes.append(Outcome(measure(SimpleNamespace(case=cases[b], variables=list(run), **run), metrics), kept))
     return outcomes

@@ -7,10 +7,10 @@ from contextlib import ExitStack
 from typing import Any
 
 from .._version import __version__
-from ..case import Case
+from ..case.case import Case
 from ..errors import UserError
 from ..extras import extra
-from ..outcome import Outcome
+from ..maps.outcome import Outcome
 from .batch import Batch, compute
 
 PATIENCE = 15

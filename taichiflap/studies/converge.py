@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..case import Case
+from ..case.case import Case
 from ..errors import UserError
+from ..metrics.names import QUANTITIES, choose
 from .ledger import Ledger, Point
-from .quantities import QUANTITIES, choose
 
 METRICS = ("force_vertical_mean", "power_mean", "tip_peak_mean")
 REFINEMENTS = 5

@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from .. import maps
 from .._version import __version__
-from ..case import Case
-from ..design import Axis, Design, Value
-from ..maps import MapError
-from ..outcome import Outcome
-from .quantities import QUANTITIES
+from ..case.case import Case
+from ..maps import file as maps
+from ..maps.design import Axis, Design, Value
+from ..maps.file import MapError
+from ..maps.outcome import Outcome
+from ..metrics.names import QUANTITIES
 from .sweep import Progress, fill
 
 Point = tuple[Value, ...]

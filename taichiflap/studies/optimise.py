@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from .. import hdf
-from ..case import Case
-from ..design import Axis, Design, DesignError, Spread, Value
+from ..case.case import Case
+from ..maps.design import Axis, Design, DesignError, Spread, Value
+from ..metrics.names import QUANTITIES
 from ..notation import fraction, short
-from ..plausible import too_bent
+from ..results import hdf
+from ..run.warnings import too_bent
 from .expression import Expression, read_constraint, read_expression
 from .ledger import Ledger
-from .quantities import QUANTITIES
 
 GENERATIONS, POPULATION = 40, 32
 SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")

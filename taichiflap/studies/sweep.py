@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .. import maps
 from .._version import __version__
-from ..case import Case, CaseError
-from ..design import Design, design
-from ..maps import Map, MapError
-from ..outcome import Outcome
+from ..case.case import Case, CaseError
+from ..maps import file as maps
+from ..maps.design import Design, design
+from ..maps.file import Map, MapError
+from ..maps.outcome import Outcome
+from ..metrics.names import QUANTITIES, choose
 from .batch import Batch, batches, compute, whole_work
-from .quantities import QUANTITIES, choose
 
 Progress = Callable[[float, int, float], None]
 """Called with the cases done, the running ones in part; all cases; and the share of this call's work that is done."""
@@ -69,7 +69,7 @@ def sweep(
 
     Args:
         case: the base case.
-        vary: for each key its values, or `"a:b:n"`, `"a:b:n:log"`; see `taichiflap.design.design`.
+        vary: for each key its values, or `"a:b:n"`, `"a:b:n:log"`; see `taichiflap.maps.design.design`.
         output: the map file, or None to keep the map in memory. What a file of the same design holds already is
             not run again.
         sample, seed: a sampled design instead of a grid: `"sobol:256"` or `"lhs:300"`.

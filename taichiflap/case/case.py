@@ -1,0 +1,310 @@
+"""A case file: its sections together, reading and changing it, and the messages when it does not fit."""
+
+import difflib
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import tomli_w
+from pydantic import Field, ValidationError, model_validator
+
+from ..errors import UserError
+from .dbet import Dbet
+from .fluid import Fluid
+from .messages import describe
+from .motion import Motion, TablePitch, TablePlunge
+from .output import Output
+from .schema import Section, key, needed, section
+from .solver import Solver, model_name
+from .tabulated import PointsError, with_points
+from .time import Time
+from .uvlm import Uvlm
+from .wing import Wing
+
+MAX_STEPS = 5_000_000
+LEAST_STEPS = 4
+"""Steps a period, or a run, that an automatic step is never longer than."""
+WITHIN_WORDS = str.maketrans("-.:", "___")
+"""What a bare word of a setting may hold."""
+MOMENTS = 1024
+"""Times at which the speed is looked at for it."""
+
+
+class CaseError(UserError):
+    """A case that cannot be run: every problem found, one line each."""
+
+    def __init__(self, source: str, problems: list[str]) -> None:
+        # One line each, whatever stands in the file.
+        problems = ["".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in one) for one in problems]
+        self.source, self.problems = source, problems
+        super().__init__("\n".join(f"{source}: {problem}" for problem in problems))
+
+
+class Case(Section):
+    """One case: an elastic wing section, its motion, the fluid and the model that computes it.
+
+    Attributes follow the case file: `case.wing.chord` is the file's `chord` in `[wing]`. SI units; angles in
+    degrees where the key ends in `_deg`. Cases are immutable; `override` gives a changed copy.
+    """
+
+    title: str = Field("", description="a line that says what this is")
+    solver: Solver = key("uvlm", text="fluid model; module:NAME is one of your own, a Python module")
+    numbers: dict[str, float] | None = key(
+        None, text="what a fluid model of your own asks for, by its names", example={"lift_slope": 6.0}
+    )
+    wing: Wing
+    motion: Motion
+    fluid: Fluid = section(Fluid)
+    dbet: Dbet = section(Dbet)
+    uvlm: Uvlm = section(Uvlm)
+    time: Time = section(Time)
+    output: Output = section(Output)
+
+    @model_validator(mode="after")
+    def _in_time(self) -> "Case":
+        if self.motion.frequency is None and self.time.periods is not None:
+            raise needed("motion.frequency", "without one, give time.duration and time.step in the place of periods")
+        if self.steps > MAX_STEPS:
+            product = "duration / time.step" if self.time.periods is None else "periods * time.steps_per_period"
+            raise ValueError(f"time.{product} = {self.steps}: at most {MAX_STEPS} steps in one case")
+        for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch)):
+            if isinstance(axis, TablePlunge | TablePitch) and not axis.periodic:
+                first, last = (axis.in_si()["points"][end][0] for end in (0, -1))
+                if first > 0.0 or last < self.duration * (1.0 - 1e-9):
+                    raise ValueError(
+                        f"motion.{name}: its points go from {first:g} to {last:g} s, the case from 0 to "
+                        f"{self.duration:g} s; give more points, or make it periodic"
+                    )
+        return self
+
+    @property
+    def model(self) -> str:
+        """What the fluid model is called in headings."""
+        return model_name(self.solver)
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the motion has a frequency, so that there are beats to speak of."""
+        return self.motion.frequency is not None
+
+    @property
+    def beat(self) -> float:
+        """The period, s, or the whole run where nothing repeats; a result is told in beats."""
+        return self.duration if self.motion.frequency is None else 1.0 / self.motion.frequency
+
+    @property
+    def duration(self) -> float:
+        """Time from the first step to the last, s."""
+        return self.steps * self.step
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps."""
+        return self._march[0]
+
+    @property
+    def step(self) -> float:
+        """Time step, s."""
+        return self._march[1]
+
+    @property
+    def steps_per_beat(self) -> float:
+        """Number of time steps in a `beat`."""
+        return self.steps / self.time.periods if self.time.periods else self.beat / self.step
+
+    @cached_property
+    def _march(self) -> tuple[int, float]:
+        """Number of time steps and step, s."""
+        time, frequency = self.time, self.motion.frequency
+        if time.periods is not None and frequency is not None:
+            asked = time.steps_per_period
+            if not isinstance(asked, int):
+                asked = max(math.ceil(1.0 / (frequency * self._matched_step())), LEAST_STEPS)
+            return time.periods * asked, 1.0 / (frequency * asked)
+        duration = cast(float, time.duration)
+        if time.step == "auto":
+            steps = max(math.ceil(duration / self._matched_step()), LEAST_STEPS)
+            return steps, duration / steps
+        step = cast(float, time.step)
+        return max(1, math.floor(duration / step * (1.0 + 1e-12))), step
+
+    def _matched_step(self) -> float:
+        """The time (s) in which the trailing edge travels the mean length of a panel through the fluid."""
+        from ..motion import sampling as motion  # noqa: PLC0415 - only an automatic step needs it
+
+        over = 1.0 / self.motion.frequency if self.motion.frequency else cast(float, self.time.duration)
+        times = self.motion.growth * self.periodic + over * np.arange(MOMENTS) / MOMENTS
+        behind = (1.0 - self.wing.pivot) * self.wing.chord
+        speed = motion.typical_speed(self.motion, behind, self.fluid.velocity, times)
+        if not speed:
+            raise ValueError('time: nothing moves, so "auto" finds no step; give a number')
+        return self.wing.chord / self.uvlm.panels / speed
+
+    def resolved(self) -> "Case":
+        """The case with a number in the place of an automatic step."""
+        name = {"steps_per_period": round(self.steps_per_beat), "step": self.step}
+        automatic = {key: value for key, value in name.items() if getattr(self.time, key) == "auto"}
+        return self.model_copy(update={"time": self.time.model_copy(update=automatic)}) if automatic else self
+
+    def override(self, *settings: str, **named: Any) -> "Case":
+        """A copy with some keys changed, checked like a file: `case.override("wing.modes=0", title="rigid")`.
+
+        Raises:
+            CaseError: with every problem found.
+        """
+        return parse_case({**apply_settings(self._opened(settings), settings, "override"), **named}, "override")
+
+    def changed(self, values: Mapping[str, Any], source: str = "changed") -> "Case":
+        """A copy with the values of some dotted keys changed; what it does not touch is not checked again.
+
+        Raises:
+            CaseError: with every problem found.
+        """
+        document = self._opened(values)
+        problems = [
+            f"{key}: {hit} is a value, not a table" for key in values if (hit := _place(document, key, values[key]))
+        ]
+        if problems:
+            raise CaseError(source, problems)
+        return parse_case(document, source)
+
+    def _opened(self, keys: Iterable[str]) -> dict[str, Any]:
+        """The case by section: as plain values where a key begins with its name, else as it is, checked already."""
+        names = {key.partition(".")[0].partition("=")[0].strip() for key in keys}
+        opened = self.model_dump(mode="json", exclude_none=True, include=names)
+        return {name: opened.get(name, value) for name, value in self if value is not None}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The case as plain dictionaries, lists and numbers."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    def to_toml(self) -> str:
+        """The case as a file that `load_case` reads back to an equal case."""
+        return tomli_w.dumps(self.to_dict())
+
+
+def load_case(path: str | Path, settings: Iterable[str] = ()) -> Case:
+    """Read a case file.
+
+    Args:
+        path: a TOML file.
+        settings: overrides such as `"wing.modes=0"`, applied before any check.
+
+    Raises:
+        CaseError: with every problem found, each with its key, its value and the cure.
+    """
+    path = Path(path)
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise CaseError(str(path), [f"no such file{_nearest_file(path)}"]) from None
+    except OSError as error:
+        raise CaseError(str(path), [f"cannot be read: {error.strerror}"]) from None
+    except UnicodeDecodeError:
+        raise CaseError(str(path), [_no_text(path)]) from None
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(str(path), [f"not valid TOML: {error}"]) from None
+    except RecursionError:
+        raise CaseError(str(path), ["not a case file: tables nested too deeply"]) from None
+    return parse_case(apply_settings(document, settings, str(path)), str(path), path.parent)
+
+
+def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path = Path()) -> Case:
+    """Check a case given as nested dictionaries.
+
+    Args:
+        source: what the messages call it.
+        folder: where the files that it names are.
+
+    Raises:
+        CaseError: with every problem found.
+    """
+    try:
+        document = with_points(document, folder)
+        return Case.model_validate(document)
+    except PointsError as error:
+        raise CaseError(source, [str(error)]) from None
+    except ValidationError as error:
+        found = [detail for detail in error.errors(include_url=False) if detail["type"] != "none_required"]
+        problems = [describe(detail, document, Case) for detail in found]
+        raise CaseError(source, list(dict.fromkeys(problems))) from None
+
+
+def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source: str) -> dict[str, Any]:
+    """Apply `KEY=VALUE` settings to a document; values are TOML, and a bare word is a string.
+
+    Raises:
+        CaseError: for a setting that has no `=`, no readable value, or that goes through a number or text.
+    """
+    changed = _copy(document)
+    problems = []
+    for setting in settings:
+        key, equals, text = (part.strip() for part in setting.partition("="))
+        if not equals or not key:
+            problems.append(f"--set {setting}: write KEY=VALUE, for example wing.modes=0")
+            continue
+        try:
+            value = read_value(text)
+        except ValueError as error:
+            problems.append(f"--set {setting}: {error}")
+            continue
+        if hit := _place(changed, key, value):
+            problems.append(f"--set {setting}: {hit} is a value, not a table")
+    if problems:
+        raise CaseError(source, problems)
+    return changed
+
+
+def read_value(text: str) -> Any:
+    """The value that a setting gives: TOML, or a bare word as a string.
+
+    Raises:
+        ValueError: when it is neither.
+    """
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except (tomllib.TOMLDecodeError, RecursionError):
+        if text.translate(WITHIN_WORDS).isidentifier():
+            return text
+        raise ValueError(f'{text!r} is not a number, true, false, a "text" or a [list]') from None
+
+
+def case_schema() -> dict[str, Any]:
+    """JSON schema of a case file, for editors and validators."""
+    schema = Case.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _place(document: dict[str, Any], key: str, value: Any) -> str:
+    """Set the value of a dotted key; returns the name of what on the way to it is no table, if something is."""
+    *tables, last = key.split(".")
+    for name in tables:
+        document = document.setdefault(name, {})
+        if not isinstance(document, dict):
+            return name
+    document[last] = value
+    return ""
+
+
+def _copy(document: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: _copy(value) if isinstance(value, Mapping) else value for key, value in document.items()}
+
+
+def _no_text(path: Path) -> str:
+    with path.open("rb") as file:
+        if file.read(4) == b"\x89HDF":
+            return "a result or a map, not a case file; taichiflap info shows what is in it"
+    return "not a text file in UTF-8"
+
+
+def _nearest_file(path: Path) -> str:
+    try:
+        names = [other.name for other in path.parent.glob("*.toml")]
+    except OSError:
+        return ""
+    nearest = difflib.get_close_matches(path.name, names, 1)
+    return f"; did you mean {path.with_name(nearest[0])}?" if nearest else ""

@@ -1,0 +1,264 @@
+"""`[motion]`: what the pivot is made to do. `taichiflap.motion.waveforms` holds the formula of each kind."""
+
+import itertools
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+
+from .schema import Section, as_tuple, key, needed
+
+
+def _rows(value: Any) -> Any:
+    return tuple(as_tuple(row) for row in value) if isinstance(value, list) else value
+
+
+_Order = Annotated[int, Field(ge=1, le=100, title="n")]
+_Phase = Annotated[float, Field(ge=-360, le=360, title="phase_deg")]
+_Length = Annotated[float, Field(ge=-100, le=100, title="m")]
+_Angle = Annotated[float, Field(ge=-360, le=360, title="deg")]
+_Moment = Annotated[float, Field(ge=-1e6, le=1e6, title="time")]
+LengthHarmonics = Annotated[tuple[tuple[_Order, _Length, _Phase], ...], BeforeValidator(_rows)]
+AngleHarmonics = Annotated[tuple[tuple[_Order, _Angle, _Phase], ...], BeforeValidator(_rows)]
+LengthPoints = Annotated[tuple[tuple[_Moment, _Length], ...], BeforeValidator(_rows)]
+AnglePoints = Annotated[tuple[tuple[_Moment, _Angle], ...], BeforeValidator(_rows)]
+
+HARMONICS = "more terms, each [n, amplitude, phase_deg] of sin(2 pi n frequency t + phase)"
+POINTS = "points [time, value] to pass through; times in s, or in periods if periodic"
+
+
+class Travel(Section):
+    """How plunge or pitch goes with time."""
+
+    kind: str
+
+    @property
+    def repeats(self) -> bool:
+        """Whether it has a period, so that it needs a frequency."""
+        return True
+
+    def in_si(self) -> dict[str, Any]:
+        """The keys in metres and radians, without their `_deg`: the arguments of this kind's formula."""
+        return {
+            name.removesuffix("_deg"): math.radians(value) if value and name.endswith("_deg") else value
+            for name, value in self
+            if value is None or isinstance(value, float)
+        }
+
+
+class _LengthWave(Travel):
+    amplitude: float = key(0.0, unit="m", text="amplitude", ge=0, le=100)
+    phase_deg: float = key(0.0, unit="deg", text="phase advance", ge=-360, le=360)
+    mean: float = key(0.0, unit="m", text="mean position", ge=-100, le=100)
+
+
+class _AngleWave(Travel):
+    amplitude_deg: float = key(0.0, unit="deg", text="amplitude", ge=0, le=360)
+    phase_deg: float = key(0.0, unit="deg", text="phase advance", ge=-360, le=360)
+    mean_deg: float = key(0.0, unit="deg", text="mean angle", ge=-360, le=360)
+
+
+class HarmonicPlunge(_LengthWave):
+    """Plunge along Z: mean + amplitude * sin(2 pi frequency t + phase), and harmonics."""
+
+    kind: Literal["harmonic"] = key("harmonic", text="kind of plunge")
+    harmonics: LengthHarmonics = key((), unit="m and deg", text=HARMONICS, example=[[3, 0.001, 0.0]])
+
+    @property
+    def repeats(self) -> bool:
+        return bool(self.amplitude or self.harmonics)
+
+    def in_si(self) -> dict[str, Any]:
+        terms = tuple((n, size, math.radians(phase)) for n, size, phase in self.harmonics)
+        return super().in_si() | {"harmonics": terms}
+
+
+class HarmonicPitch(_AngleWave):
+    """Pitch: mean + amplitude * sin(2 pi frequency t + phase), and harmonics."""
+
+    kind: Literal["harmonic"] = key("harmonic", text="kind of pitch")
+    harmonics_deg: AngleHarmonics = key((), unit="deg", text=HARMONICS, example=[[2, 3.0, 0.0]])
+
+    @property
+    def repeats(self) -> bool:
+        return bool(self.amplitude_deg or self.harmonics_deg)
+
+    def in_si(self) -> dict[str, Any]:
+        terms = tuple((n, math.radians(size), math.radians(phase)) for n, size, phase in self.harmonics_deg)
+        return super().in_si() | {"harmonics": terms}
+
+
+class _Triangle(Travel):
+    kind: Literal["triangle"] = key(text="kind: a smoothed triangular wave", example="triangle")
+    sharpness: float = key(text="K of Berman & Wang (2007): 0 a sine, towards 1 a triangle", example=0.7, ge=0, lt=1)
+
+
+class TrianglePlunge(_Triangle, _LengthWave):
+    """Plunge along Z: mean + amplitude * asin(K sin(2 pi frequency t + phase)) / asin(K)."""
+
+
+class TrianglePitch(_Triangle, _AngleWave):
+    """Pitch: mean + amplitude * asin(K sin(2 pi frequency t + phase)) / asin(K)."""
+
+
+class _Trapezoid(Travel):
+    kind: Literal["trapezoid"] = key(text="kind: a smoothed trapezoidal wave", example="trapezoid")
+    sharpness: float = key(text="C of Berman & Wang (2007): 0 a sine, large a square wave", example=3.0, ge=0, le=100)
+
+
+class TrapezoidPlunge(_Trapezoid, _LengthWave):
+    """Plunge along Z: mean + amplitude * tanh(C sin(2 pi frequency t + phase)) / tanh(C)."""
+
+
+class TrapezoidPitch(_Trapezoid, _AngleWave):
+    """Pitch: mean + amplitude * tanh(C sin(2 pi frequency t + phase)) / tanh(C)."""
+
+
+class _Ramp(Travel):
+    kind: Literal["ramp"] = key(text="kind: a ramp, a hold and a return", example="ramp")
+    start: float = key(unit="s", text="when the ramp begins", example=0.1, ge=-1e6, le=1e6)
+    ramp: float = key(unit="s", text="duration of the ramp, and of the return", example=0.1, gt=0, le=1e6)
+    hold: float | None = key(
+        None, unit="s", text="duration of the hold before the return; for ever if left out", example=0.1, ge=0, le=1e6
+    )
+    smoothing: float = key(
+        unit="1/s", text="corners are rounded over about its inverse: a U/c of Eldredge", example=200.0, gt=0, le=1e9
+    )
+
+    @field_validator("smoothing")
+    @classmethod
+    def _leaves_a_ramp(cls, value: float, info: ValidationInfo) -> float:
+        ramp = info.data.get("ramp")
+        if ramp is not None and value * ramp < 1.0:
+            raise ValueError(
+                f"rounds the corners over {1.0 / value:g} s, longer than the ramp itself; give >= {1.0 / ramp:g}"
+            )
+        return value
+
+    @property
+    def repeats(self) -> bool:
+        return False
+
+
+class RampPlunge(_Ramp):
+    """Plunge from an initial position by an amplitude at a steady rate, held, and back."""
+
+    amplitude: float = key(unit="m", text="travel of the ramp, of either sign", example=0.01, ge=-100, le=100)
+    initial: float = key(0.0, unit="m", text="position before the ramp", ge=-100, le=100)
+
+
+class RampPitch(_Ramp):
+    """Pitch from an initial angle by an amplitude at a steady rate, held, and back."""
+
+    amplitude_deg: float = key(unit="deg", text="turn of the ramp, of either sign", example=45.0, ge=-360, le=360)
+    initial_deg: float = key(0.0, unit="deg", text="angle before the ramp", ge=-360, le=360)
+
+
+class _Table(Travel):
+    kind: Literal["table"] = key(text="kind: a smooth curve through points", example="table")
+    periodic: bool = key(False, text="whether it repeats; its times are then fractions of the period")
+    file: str | None = key(
+        None, text="text or CSV file of points, named from the case file's folder", example="stroke.csv"
+    )
+    column: int | None = key(None, text="column of its values, the first holding the time; else 2", example=2, ge=2)
+
+    @property
+    def repeats(self) -> bool:
+        return self.periodic
+
+
+class TablePlunge(_Table):
+    """Measured plunge: a cubic spline through points given here or in a file."""
+
+    points: LengthPoints = key((), unit="m", text=POINTS, example=[[0.0, 0.0], [0.1, 0.01]])
+
+    @model_validator(mode="after")
+    def _passable(self) -> "TablePlunge":
+        _check_points(self.points, self.periodic)
+        return self
+
+    def in_si(self) -> dict[str, Any]:
+        return {"points": self.points}
+
+
+class TablePitch(_Table):
+    """Measured pitch: a cubic spline through points given here or in a file."""
+
+    points_deg: AnglePoints = key((), unit="deg", text=POINTS, example=[[0.0, 0.0], [0.1, 20.0]])
+
+    @model_validator(mode="after")
+    def _passable(self) -> "TablePitch":
+        _check_points(self.points_deg, self.periodic)
+        return self
+
+    def in_si(self) -> dict[str, Any]:
+        return {"points": tuple((time, math.radians(value)) for time, value in self.points_deg)}
+
+
+def _check_points(points: tuple[tuple[float, float], ...], periodic: bool) -> None:
+    if len(points) < 4:
+        raise ValueError(f"has {len(points)} points; give at least 4, here or in a file")
+    for (early, _), (late, _) in itertools.pairwise(points):
+        if late <= early:
+            raise ValueError(f"times must rise, and {late:g} comes after {early:g}")
+    if periodic:
+        (first, begin), (last, end) = points[0], points[-1]
+        if last - first > 1.0:
+            raise ValueError(f"its times are fractions of the period, and they go from {first:g} to {last:g}")
+        if last - first == 1.0 and begin != end:
+            raise ValueError(f"is periodic and begins with {begin:g}, but ends with {end:g}")
+
+
+def kind_of(value: Any) -> str:
+    """Which kind of plunge or pitch a table of the file asks for."""
+    return str(value.get("kind", "harmonic") if isinstance(value, Mapping) else getattr(value, "kind", "harmonic"))
+
+
+Plunge = Annotated[
+    Annotated[HarmonicPlunge, Tag("harmonic")]
+    | Annotated[TrianglePlunge, Tag("triangle")]
+    | Annotated[TrapezoidPlunge, Tag("trapezoid")]
+    | Annotated[RampPlunge, Tag("ramp")]
+    | Annotated[TablePlunge, Tag("table")],
+    Discriminator(kind_of),
+]
+Pitch = Annotated[
+    Annotated[HarmonicPitch, Tag("harmonic")]
+    | Annotated[TrianglePitch, Tag("triangle")]
+    | Annotated[TrapezoidPitch, Tag("trapezoid")]
+    | Annotated[RampPitch, Tag("ramp")]
+    | Annotated[TablePitch, Tag("table")],
+    Discriminator(kind_of),
+]
+
+
+class Motion(Section):
+    """Prescribed motion of the pivot."""
+
+    frequency: float | None = key(
+        None, unit="Hz", text="flapping frequency, of whatever repeats", example=25.0, gt=0, le=1e5
+    )
+    plunge: Plunge = Field(default_factory=HarmonicPlunge, description="plunge along Z")
+    pitch: Pitch = Field(default_factory=HarmonicPitch, description="pitch about the pivot")
+    start_up: float | None = key(
+        None, unit="s", text="plunge and pitch grow smoothly from nothing for so long", example=0.04, gt=0, le=1e6
+    )
+    start_up_periods: float | None = key(
+        None, unit="periods", text="the same, counted in periods", example=1.0, gt=0, le=1e5
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Motion":
+        if self.frequency is None and (self.plunge.repeats or self.pitch.repeats or self.start_up_periods):
+            raise needed("frequency", "something here repeats")
+        if self.start_up and self.start_up_periods:
+            raise ValueError("give start_up or start_up_periods, not both")
+        return self
+
+    @property
+    def growth(self) -> float:
+        """Duration of the start-up, s."""
+        if self.start_up_periods and self.frequency:
+            return self.start_up_periods / self.frequency
+        return self.start_up or 0.0

@@ -1,0 +1,89 @@
+"""A commented case file to start from, written from the models of `taichiflap.case` so that it is never stale."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, get_args
+
+import tomli_w
+from pydantic import BaseModel
+from pydantic_core import PydanticUndefined
+
+from ..notation import engineering
+from .case import Case, case_schema
+from .messages import first_line, sections
+
+COMMENT_COLUMN = 34
+EXAMPLE: dict[str, Any] = {
+    "title": "My wing",
+    "motion.frequency": 25.0,
+    "wing.thickness": 40e-6,
+    "wing.density": 1000.0,
+    "wing.youngs_modulus": 24.5e9,
+    "motion.plunge": {"amplitude": 0.02, "phase_deg": 90.0},
+    "motion.pitch": {"amplitude_deg": 15.0, "phase_deg": 0.0, "mean_deg": 0.0},
+}
+"""Where the default is nothing to start from: a hawkmoth's wing and stroke. Other optional keys become comments."""
+
+
+def commented_case() -> str:
+    """Text of a valid case file with every key, its meaning, unit and default."""
+    lines = [
+        "# A taichiflap case. SI units; angles in degrees where the key ends in _deg.",
+        "# Keys without a default must be given; the others may be left out.",
+        *_keys(Case, ""),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _keys(model: type[BaseModel], prefix: str) -> Iterator[str]:
+    nested = []
+    for key, field in model.model_fields.items():
+        found = sections(field)
+        path = f"{prefix}{key}"
+        if len(found) > 1:
+            yield from _kinds(key, path, found)
+        elif found:
+            nested.append((path, found[0]))
+        else:
+            hidden = "# " if field.default is None and path not in EXAMPLE else ""
+            yield _commented(f"{hidden}{key} = {_toml(_example(path, field))}", model, key, field)
+    for path, section in nested:
+        yield ""
+        yield f"[{path}]  # {first_line(section).rstrip('.')}"
+        yield from _keys(section, f"{path}.")
+
+
+def _kinds(key: str, path: str, models: list[type[BaseModel]]) -> Iterator[str]:
+    """A section of several kinds: the first, and the others as comments."""
+    yield f"{key} = {_toml(EXAMPLE[path])}"
+    for model in models[1:]:
+        table = {
+            name: EXAMPLE[path].get(name, _example(f"{path}.{name}", field))
+            for name, field in model.model_fields.items()
+            if name != "kind" and (field.default not in (None, ()) or name == "file")
+        }
+        kind = get_args(model.model_fields["kind"].annotation)[0]
+        yield f"# {key} = {_toml({'kind': kind} | table)}"
+
+
+def _example(path: str, field: Any) -> Any:
+    if path in EXAMPLE:
+        return EXAMPLE[path]
+    return field.examples[0] if field.default in (PydanticUndefined, None) else field.default
+
+
+def _commented(text: str, model: type[BaseModel], key: str, field: Any) -> str:
+    schema = case_schema() if model is Case else model.model_json_schema()
+    unit = schema["properties"][key].get("unit", "")
+    note = f"{unit}: {field.description}" if unit else field.description
+    needed = "" if field.default is not PydanticUndefined else " (must be given)"
+    return f"{text:<{COMMENT_COLUMN}}# {note}{needed}"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_toml(item)}' for key, item in value.items())} }}"
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(_toml(item) for item in value)}]"
+    if isinstance(value, float):
+        return engineering(value)
+    return tomli_w.dumps({"v": value}).partition("= ")[2].strip()

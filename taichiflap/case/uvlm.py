@@ -1,0 +1,74 @@
+"""`[uvlm]`: settings of the vortex lattice and its wake."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from .schema import Section, key
+
+
+def _all_or_number(value: Any) -> str:
+    return "all" if isinstance(value, str) else "number"
+
+
+WakeLength = Annotated[
+    Annotated[int, Field(ge=1, le=1_000_000), Tag("number")] | Annotated[Literal["all"], Tag("all")],
+    Discriminator(_all_or_number),
+]
+
+
+class Uvlm(Section):
+    """Unsteady vortex lattice on the deformed camber line, with a free wake."""
+
+    panels: int = key(20, text="panels along the chord", ge=1, le=1000)
+    spacing: Literal["cosine", "uniform"] = key(
+        "cosine", text="panels: finer towards both edges, on the camber line itself; or equal and straight"
+    )
+    loads: Literal["vortices", "panels"] = key(
+        "vortices", text="pressure steps at the bound vortices, or counts whole panels as the paper's Eqs 33-34 do"
+    )
+    suction: bool = key(False, text="include the suction at the leading edge: an edge that does not separate")
+    wake: WakeLength = key("all", text='wake vortices kept, or "all"')
+    old_wake: Literal["absorb", "drop"] = key(
+        "absorb", text="a full wake merges vortices, keeping circulation and impulse, or drops the oldest"
+    )
+    absorb_beyond: float = key(
+        3.0, unit="chords", text="vortices nearer to the wing's middle than this are absorbed last", ge=0, le=1e6
+    )
+    crossing: Literal["reflect", "pass"] = key(
+        "reflect", text="a wake vortex that would cross the wing is kept on its side, or passes; counted either way"
+    )
+    shedding: Literal["local", "fixed"] = key(
+        "local",
+        text="new vortex on the trailing edge's path relative to the flow (0.30 of a step, 0.25 with uniform panels), "
+        "or at a fixed distance",
+    )
+    shedding_distance: float = key(
+        0.05, unit="chords", text='distance behind the trailing edge, for shedding = "fixed"', gt=0, le=10
+    )
+    convection: Literal["second_order", "euler"] = key(
+        "second_order", text="how the wake moves: Adams-Bashforth of second order, or Euler's steps"
+    )
+    core: float = key(
+        0.02, unit="chords", text="Krasny core of a wake vortex; the squares of a pair's cores add up", ge=0, le=1
+    )
+    core_growth: float = key(
+        0.1, text="growth of a new vortex's core over the way it moves, until it is full; 0: full at once", ge=0, le=100
+    )
+    precision: Literal["double", "single"] = key(
+        "double",
+        text="of the sums over pairs of wake vortices: single is quicker, and good to about five digits",
+    )
+    far_error: float = key(
+        0.0,
+        text="error allowed in the velocity of a wake vortex, as a share of the trailing edge's typical speed, for the "
+        "sake of speed in long wakes; 0: every pair of vortices is summed",
+        ge=0,
+        le=0.1,
+    )
+
+    @model_validator(mode="after")
+    def _one_saving(self) -> "Uvlm":
+        if self.far_error and self.precision == "single":
+            raise ValueError('far_error sums in double precision; give far_error = 0 or precision = "double"')
+        return self

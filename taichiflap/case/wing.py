@@ -1,0 +1,143 @@
+"""`[wing]`: the elastic section."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo, field_validator
+from pydantic.json_schema import SkipJsonSchema
+from pydantic_core import PydanticKnownError
+
+from .schema import Section, as_tuple, key
+
+MOST_ENTRIES = 100
+
+Table = tuple[tuple[float, float], ...]
+AlongChord = float | Table
+"""A number, or a table [[s, value], ...] over s = y/chord, linear between its entries."""
+
+
+def _one_or_each(value: Any) -> str:
+    return "each" if isinstance(value, list | tuple) else "one"
+
+
+def _as_table(value: Any) -> Any:
+    return tuple(as_tuple(entry) for entry in value) if isinstance(value, list | tuple) else value
+
+
+_Station = Annotated[float, Field(ge=0, le=1, title="s")]
+
+
+@dataclass(frozen=True)
+class _UpTo:
+    """The range of an `AlongChord`: positive, and at the tip zero if it may end in nothing."""
+
+    most: float
+    may_vanish: bool = False
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        value = Annotated[float, Field(ge=0, le=self.most, title="value")]
+        number = Annotated[float, Field(gt=0, le=self.most), Tag("one")]
+        table = Annotated[
+            tuple[tuple[_Station, value], ...],
+            Field(max_length=MOST_ENTRIES),
+            BeforeValidator(_as_table),
+            AfterValidator(self._check),
+            Tag("each"),
+        ]
+        return handler.generate_schema(Annotated[number | table, Discriminator(_one_or_each)])
+
+    def _check(self, table: Table) -> Table:
+        if len(table) < 2 or table[0][0] != 0.0 or table[-1][0] != 1.0:
+            raise ValueError("must begin at s = 0 and end at s = 1: give the values at the leading and trailing edge")
+        for (before, _), (after, _) in pairwise(table):
+            if after <= before:
+                raise ValueError(f"s must increase, but {after:g} follows {before:g}; for a jump take two s close by")
+        must = table[:-1] if self.may_vanish else table
+        if min(value for _, value in must) == 0.0:
+            at = "but at the trailing edge" if self.may_vanish else "everywhere"
+            raise ValueError(f"must be > 0 {at}; for next to nothing give a small number")
+        return table
+
+
+_Damping = Annotated[float, Field(ge=0, le=10)]
+DampingRatio = Annotated[
+    Annotated[_Damping, Tag("one")] | Annotated[tuple[_Damping, ...], BeforeValidator(as_tuple), Tag("each")],
+    Discriminator(_one_or_each),
+]
+_PointMass = tuple[_Station, Annotated[float, Field(gt=0, le=1e6, title="kg")]]
+PointMasses = Annotated[tuple[_PointMass, ...], Field(max_length=MOST_ENTRIES), BeforeValidator(_as_table)]
+
+_MEASURED = ("mass_per_length", "flexural_rigidity")
+
+
+class Wing(Section):
+    """The wing section, clamped at its leading edge; a number, or a table [[s, value], ...] over s = y/chord."""
+
+    chord: float = key(unit="m", text="chord, leading to trailing edge", example=0.02, gt=0, le=100)
+    span: Annotated[AlongChord, _UpTo(100, may_vanish=True)] = key(unit="m", text="span, out of the page", example=0.05)
+    modes: int = key(1, text="elastic modes kept; 0 is a rigid wing", ge=0, le=20)
+    damping_ratio: DampingRatio = key(0.05, text="damping ratio: one, or one per mode")
+    pivot: float = key(0.0, unit="chords", text="pivot's distance behind the leading edge; of rigid wings", ge=-5, le=5)
+    mass_per_length: Annotated[AlongChord, _UpTo(1e5, may_vanish=True)] | SkipJsonSchema[None] = key(
+        None,
+        unit="kg/m",
+        text="of a measured wing: mass a metre of chord",
+        example=2e-3,
+        validate_default=True,
+    )
+    flexural_rigidity: Annotated[AlongChord, _UpTo(1e12, may_vanish=True)] | SkipJsonSchema[None] = key(
+        None,
+        unit="N m2",
+        text="of a measured wing: E I of the whole span",
+        example=6.5e-6,
+        validate_default=True,
+    )
+    thickness: Annotated[AlongChord, _UpTo(10, may_vanish=True)] | SkipJsonSchema[None] = key(
+        None, unit="m", text="thickness", example=40e-6, validate_default=True
+    )
+    density: Annotated[AlongChord, _UpTo(1e5)] | SkipJsonSchema[None] = key(
+        None, unit="kg/m3", text="density of the wing's material", example=1000.0, validate_default=True
+    )
+    youngs_modulus: Annotated[AlongChord, _UpTo(1e13)] | SkipJsonSchema[None] = key(
+        None, unit="Pa", text="Young's modulus", example=24.5e9, validate_default=True
+    )
+    point_masses: PointMasses = key((), text="masses fixed to the section: s and kg of each", example=((0.5, 2e-6),))
+
+    @field_validator("damping_ratio")
+    @classmethod
+    def _one_per_mode(cls, value: Any, info: ValidationInfo) -> Any:
+        modes = info.data.get("modes")
+        if isinstance(value, tuple) and modes is not None and len(value) < modes:
+            raise ValueError(f"too few for {modes} modes; give one number, or one per mode")
+        return value
+
+    @field_validator("pivot")
+    @classmethod
+    def _clamped_where_it_pivots(cls, value: float, info: ValidationInfo) -> float:
+        if value and info.data.get("modes"):
+            raise ValueError("an elastic wing is clamped at its leading edge; set wing.modes = 0, or leave pivot out")
+        return value
+
+    @field_validator("flexural_rigidity")
+    @classmethod
+    def _measured_whole(cls, value: Any, info: ValidationInfo) -> Any:
+        mass = info.data.get("mass_per_length", value)
+        if value is None and mass is not None and info.data.get("modes"):
+            raise PydanticKnownError("missing")
+        if value is not None and mass is None:
+            raise ValueError("needs mass_per_length beside it")
+        return value
+
+    @field_validator("thickness", "density", "youngs_modulus")
+    @classmethod
+    def _material_or_measured(cls, value: Any, info: ValidationInfo) -> Any:
+        measured = any(info.data.get(name, "wrong") is not None for name in _MEASURED)
+        if value is not None and measured:
+            raise ValueError(
+                "give either thickness, density and youngs_modulus, or mass_per_length and flexural_rigidity"
+            )
+        unused = info.field_name == "youngs_modulus" and info.data.get("modes") == 0
+        if value is None and not measured and not unused:
+            raise PydanticKnownError("missing")
+        return value

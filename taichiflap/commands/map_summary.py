@@ -1,0 +1,79 @@
+"""A map in words: the lines that `sweep` and `info` print."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..maps.design import Axis, Design
+from ..maps.file import Map
+from ..maps.labels import model
+from ..maps.outcome import COMPLETE, FAILED
+from ..notation import fraction, short
+from ..run.warnings import BENT
+
+SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
+"""Metrics whose range is printed."""
+REASONS = 3
+"""Failed cases whose reason is printed."""
+
+
+def map_lines(sheet: Map) -> Iterator[str]:
+    """Lines of text that summarise a map, complete or not."""
+    yield sheet.title or "(no title)"
+    lines = list(_labelled(sheet))
+    width = max(len(label) for label, _ in lines)
+    yield from (f"  {label:<{width}}  {text}" for label, text in lines)
+    yield from (f"warning: {doubt}" for doubt in _doubts(sheet))
+
+
+def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
+    design, status = sheet.design, sheet.status
+    counts = f"{np.sum(status == COMPLETE):,} complete, {np.sum(status == FAILED):,} failed"
+    yield "file", f"{sheet.path or 'in memory'}, {design.size:,} cases: {counts}"
+    if model(sheet):
+        yield "model", model(sheet)
+    for axis in design.axes:
+        yield axis.key, _range(axis, design, sheet.units(axis.key))
+    for name in SHOWN:
+        if name in sheet.metrics:
+            yield from _extremes(sheet, name)
+    failed = np.flatnonzero(status == FAILED)[:REASONS].tolist()
+    for number, outcome in zip(failed, sheet.outcomes(failed), strict=True):
+        yield "failed", f"{', '.join(design.settings(number))}: {outcome and outcome.reason}"
+
+
+def _doubts(sheet: Map) -> Iterator[str]:
+    """How many cases are beyond what the models are good for, or not at rest yet."""
+    complete = sheet.status == COMPLETE
+    if "tip_peak_mean" in sheet.metrics and not any(axis.key == "wing.chord" for axis in sheet.design.axes):
+        bent = np.sum(sheet.values("tip_peak_mean").ravel()[complete] > BENT * sheet.case.wing.chord)
+        if bent:
+            yield (
+                f"in {bent:,} of {complete.sum():,} cases the trailing edge bends by more than {BENT:g} chords, "
+                "where the linear beam errs by more than a tenth"
+            )
+    if "settled" in sheet.metrics:
+        restless = np.sum(sheet.values("settled").ravel()[complete] == 0.0)
+        if restless:
+            yield f"in {restless:,} of {complete.sum():,} cases the beats have not settled (metric settled)"
+
+
+def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:
+    values = sheet.values(name).ravel()
+    if np.isnan(values).all():
+        return
+    for word, number in (("least", int(np.nanargmin(values))), ("most", int(np.nanargmax(values)))):
+        found = f"{values[number]:.4g} {fraction(sheet.units(name))}"
+        yield name if word == "least" else "", f"{word:<5} {found} at {_where(sheet.design, number)}"
+
+
+def _where(design: Design, number: int) -> str:
+    return ", ".join(f"{key} = {short(value)}" for key, value in design.point(number).items())
+
+
+def _range(axis: Axis, design: Design, units: str) -> str:
+    count = len(axis.values) if design.grid else design.size
+    if not axis.numeric:
+        return ", ".join(map(str, dict.fromkeys(axis.values)))
+    low, high = min(axis.values), max(axis.values)
+    return f"{short(low)} to {short(high)}{f' {units}' if units else ''}, {count:,} values"

@@ -1,0 +1,179 @@
+"""A run in words: the lines that `simulate` and `info` print."""
+
+import math
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from ..case.case import Case
+from ..case.motion import Travel
+from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
+from ..notation import prefixed
+from ..results.reader import Result
+from ..structure.chordwise import Profile
+
+LABEL = 24
+
+
+def summary_lines(result: Result, said: Collection[str] = ()) -> Iterator[str]:
+    """Lines of text that summarise a result, complete or not.
+
+    Args:
+        said: warnings, or a reason, that need not be said again.
+    """
+    case = result.case
+    attributes = result.attributes
+    yield case.title or "(no title)"
+    status = "running or interrupted" if result.status == "running" else result.status
+    yield _line("file", f"{result.path or 'in memory'}, {status}, {result.frames} frames")
+    yield _line("model", _model(case))
+    yield _line("wing", _wing(case, result))
+    yield _line("motion", _motion(case))
+    failed = result.status == "failed"
+    summary = None if failed else summarise(result)
+    if summary:
+        yield from _statistics(case, summary)
+    elif failed:
+        yield "the run failed: no statistics"
+    else:
+        yield "no whole beat yet: no statistics" if case.periodic else "not complete: no statistics"
+    if "solve_time" in attributes:
+        done = case.steps if result.status == "complete" else round(result.time[-1] / case.step)
+        yield _line("solve time", f"{attributes['solve_time']:.3g} s for {done} steps")
+    if summary and _unrest(summary):
+        yield f"warning: {_unrest(summary)}"
+    for warning in str(attributes["warnings"]).splitlines():
+        if warning not in said:
+            yield f"warning: {warning}"
+    if "reason" in attributes and attributes["reason"] not in said:
+        yield f"failed: {attributes['reason']}"
+
+
+def _statistics(case: Case, summary: Summary) -> Iterator[str]:
+    if case.periodic:
+        beats = f"{summary.beats} beat{'s' if summary.beats > 1 else ''}"
+        yield f"over the last {beats} (mean ± standard deviation from beat to beat):"
+    else:
+        yield "over the whole run:"
+    forces = [one for one in (summary.force_vertical, summary.force_normal_peak, summary.lift, summary.thrust) if one]
+    force = _Unit.of("N", *forces)
+    if summary.lift and summary.thrust:
+        pressure = 0.5 * case.fluid.density * math.hypot(*case.fluid.velocity) ** 2
+        scale = pressure * case.wing.chord * Profile.of(case.wing.span).mean
+        yield _line("lift across stream", force.shown(summary.lift) + _coefficient(summary.lift, scale))
+        yield _line("thrust against stream", force.shown(summary.thrust) + _coefficient(summary.thrust, scale))
+    else:
+        yield _line("vertical force", f"{force.shown(summary.force_vertical)}, full vector")
+        yield _line("", f"{force.shown(summary.force_vertical_normal)}, wing-normal part alone")
+    phase = summary.force_normal_phase
+    lead = "" if phase is None else f", first harmonic at {phase:+.1f} deg to the stroke"
+    yield _line("peak normal force", force.shown(summary.force_normal_peak) + lead)
+    if summary.tip_peak.mean:
+        after = summary.tip_peak_after_reversal
+        if case.periodic:
+            when = f"t/T = {summary.tip_peak_time:.3f}" + ("" if after is None else f", {after:.3f} T after reversal")
+        else:
+            when = f"t = {summary.tip_peak_time * case.beat:.4g} s"
+        yield _line("peak tip deflection", f"{_Unit.of('m', summary.tip_peak).shown(summary.tip_peak)}, at {when}")
+    power = _Unit.of("W", summary.power, summary.power_aerodynamic, summary.power_positive)
+    yield _line("mechanical power", power.shown(summary.power))
+    yield _line("  against the fluid", power.shown(summary.power_aerodynamic))
+    yield _line("  positive part alone", power.shown(summary.power_positive))
+    if summary.wake_lost:
+        yield _line("wake left out", f"about {100 * summary.wake_lost:.2g} % of the wing's speed, and of the forces")
+    if summary.wake_far_error is not None:
+        yield _line("error of the far wake", f"{summary.wake_far_error:.2g} m/s at most, of eight vortices a step")
+    if summary.wake_crossings:
+        kept = "was kept on its side" if case.uvlm.crossing == "reflect" else "passed through"
+        times = "once" if summary.wake_crossings == 1 else f"{summary.wake_crossings} times"
+        yield _line("wake upon the wing", f"{times} in the whole run a vortex {kept}")
+
+
+def _unrest(summary: Summary) -> str:
+    """Why the means are not to be trusted yet; nothing if they are, or if nothing repeats."""
+    if summary.settled is not False:
+        return ""
+    if summary.beats < FEWEST_BEATS:
+        return "too few beats to tell whether the run has settled: give it more time.periods"
+    if summary.force_drift > 2.0 * summary.force_spread:
+        return (
+            f"not yet periodic: over these beats the mean force drifts by {100 * summary.force_drift:.2g} % "
+            "of its rms; give it more time.periods"
+        )
+    return (
+        f"the beats do not repeat: their mean force spreads by {100 * summary.force_spread:.2g} % of its rms; "
+        "with more time.periods the mean gets firmer"
+    )
+
+
+def _line(label: str, text: Any) -> str:
+    return f"  {label:<{LABEL - 2}}{text}"
+
+
+@dataclass(frozen=True)
+class _Unit:
+    """What some quantities are shown in: the multiple of a unit that suits the largest, and the factor to it."""
+
+    factor: float
+    name: str
+
+    @classmethod
+    def of(cls, unit: str, *statistics: Statistic) -> "_Unit":
+        return cls(*prefixed(max(abs(one.mean) for one in statistics), unit))
+
+    def shown(self, statistic: Statistic) -> str:
+        spread = f" ± {self.factor * statistic.spread:.2g}" if statistic.spread else ""
+        return f"{self.factor * statistic.mean:.4g}{spread} {self.name}"
+
+
+def _coefficient(force: Statistic, scale: float) -> str:
+    return f", coefficient {force.mean / scale:.4g}" if scale else ""
+
+
+def _model(case: Case) -> str:
+    settings = [case.model]
+    if case.solver == "dbet":
+        settings += [f"{case.dbet.elements} elements"]
+    elif case.solver == "uvlm":
+        wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
+        settings += [f"{case.uvlm.panels} panels", wake]
+    return ", ".join([*settings, f"fluid {case.fluid.density:g} kg/m3"])
+
+
+def _wing(case: Case, result: Result) -> str:
+    factor, unit = prefixed(case.wing.chord, "m")
+    size = f"chord {factor * case.wing.chord:g} {unit}, span {_span(case)}"
+    frequencies = ", ".join(f"{f:.4g}" for f in result.modes.get("frequency", ()))
+    return f"{size}, {f'modes at {frequencies} Hz' if frequencies else 'rigid'}"
+
+
+def _span(case: Case) -> str:
+    values = Profile.of(case.wing.span).values
+    factor, unit = prefixed(values.max(), "m")
+    least, most = (f"{factor * value:g}" for value in (values.min(), values.max()))
+    return f"{most if least == most else f'{least} to {most}'} {unit}"
+
+
+def _motion(case: Case) -> str:
+    motion, time = case.motion, case.time
+    rate = f"{motion.frequency:g} Hz, " if motion.frequency else ""
+    if time.periods is None:
+        steps = f"{case.steps} steps of {case.step:.4g} s"
+    else:
+        steps = f"{time.periods} beats of {case.steps_per_beat:g} steps"
+    plunge, pitch = _travel(motion.plunge, "m"), _travel(motion.pitch, "deg")
+    return f"{rate}plunge {plunge}, pitch {pitch}, {steps}"
+
+
+def _travel(axis: Travel, unit: str) -> str:
+    """How far plunge or pitch goes, and how if not harmonically."""
+    keys = axis.in_si()
+    far = max((abs(value) for _, value in keys["points"]), default=0.0) if "points" in keys else keys["amplitude"]
+    scale, unit = (180.0 / math.pi, unit) if unit == "deg" else prefixed(far, unit)
+    if "points" in keys:
+        values = [scale * value for _, value in keys["points"]]
+        return f"{min(values):.3g} to {max(values):.3g} {unit} (table)"
+    kind = "" if axis.kind == "harmonic" else f" ({axis.kind})"
+    middle = keys.get("mean", keys.get("initial"))
+    about = f" about {scale * middle:.3g} {unit}" if middle else ""
+    return f"{scale * keys['amplitude']:.3g} {unit}{about}{kind}"

@@ -1,0 +1,233 @@
+"""Films of the last beats, drawn without a screen: mp4 and gif."""
+
+import contextlib
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PathCollection
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+from matplotlib.text import Annotation, Text
+from numpy.typing import NDArray
+from PIL import Image
+
+from .. import files
+from ..drawing import palette, scene
+from ..extras import extra
+from ..notation import prefixed
+from ..results.reader import Result
+
+TALL, WIDE = 840, 1040
+"""Largest size of the picture inside its margins, pixels."""
+ABOVE, BELOW, BESIDE, NARROWEST = 96, 24, 176, 640
+DPI = 100
+MP4_RATE, GIF_RATE = 25, 20
+"""Frames a second; a gif counts in hundredths of one."""
+MP4_BEAT, GIF_BEAT = 100, 50
+"""Frames a beat, at most."""
+GIF_SCALE = 0.6
+
+
+def write_mp4(result: Result, path: Path, beats: int, theme: palette.Theme = palette.LIGHT) -> int:
+    """Write an H.264 film of the last beats and return its number of frames.
+
+    Raises:
+        SceneError: when the result has no whole beat.
+        OutputError: when the file cannot be written, or imageio-ffmpeg is missing.
+    """
+    imageio_ffmpeg = extra("imageio_ffmpeg", "video", "mp4 needs imageio-ffmpeg", files.OutputError)
+    film = Film(result, beats, MP4_BEAT, MP4_RATE, theme=theme)
+    with files.standing_in(path) as draft:
+        writer = imageio_ffmpeg.write_frames(
+            str(draft), film.size, fps=MP4_RATE, codec="libx264", macro_block_size=2, ffmpeg_log_level="error",
+            output_params=["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"], quality=None,
+        )  # fmt: skip
+        with contextlib.closing(writer):
+            writer.send(None)
+            for picture in film.pictures():
+                writer.send(np.ascontiguousarray(picture))
+    return len(film.frames)
+
+
+def write_gif(result: Result, path: Path, beats: int, theme: palette.Theme = palette.LIGHT) -> int:
+    """Write an animated gif of the last beats, for ever repeated, and return its number of frames.
+
+    Raises:
+        SceneError: when the result has no whole beat.
+        OutputError: when the file cannot be written.
+    """
+    film = Film(result, beats, GIF_BEAT, GIF_RATE, GIF_SCALE, theme)
+    pictures = film.pictures()
+    first = Image.fromarray(next(pictures)).quantize(255)
+    others = (Image.fromarray(picture).quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
+    with files.replacing(path) as file:
+        first.save(
+            file, format="GIF", save_all=True, append_images=others, duration=1000 // GIF_RATE, loop=0, optimize=False
+        )
+    return len(film.frames)
+
+
+class Film:
+    """The pictures of a result's last beats: what stands still is drawn once, what moves for each frame.
+
+    Args:
+        beats: how many of the last beats.
+        most: frames a beat, at most; of the stored ones every n-th is taken.
+        rate: frames a second at which the film is shown.
+        scale: size, relative to the largest.
+        theme: the colours.
+    """
+
+    def __init__(
+        self,
+        result: Result,
+        beats: int,
+        most: int,
+        rate: int,
+        scale: float = 1.0,
+        theme: palette.Theme = palette.LIGHT,
+    ) -> None:
+        self.theme = theme
+        stored = scene.last_beats(result, beats)[:-1]
+        beats = max(1, round(float(len(stored)) * result.case.output.every / result.case.steps_per_beat))
+        stride = math.ceil(len(stored) / beats / most)
+        self.frames = [scene.frame(result, int(index)) for index in stored[::stride]]
+        self._case = result.case
+        self._sway = scene.sway(result, stored)
+        self.chord = result.case.wing.chord
+        self.shared = scene.bounds(self.frames, result.case)
+        self.dotted = any(len(frame.wake) for frame in self.frames)
+        left, right, bottom, top = self.shared.page
+        pixels = min(WIDE / (right - left), TALL / (top - bottom))
+        inside = ((right - left) * pixels, (top - bottom) * pixels)
+        width = max(inside[0] + (BESIDE if self.dotted else 0), NARROWEST)
+        height = inside[1] + ABOVE + BELOW
+        self.size = (_even(width * scale), _even(height * scale))
+        self._figure = Figure(figsize=(self.size[0] / DPI / scale, self.size[1] / DPI / scale), dpi=DPI * scale)
+        self._figure.set_facecolor(theme.ground)
+        self._canvas = FigureCanvasAgg(self._figure)
+        margin = 0.5 * (width - inside[0] - (BESIDE if self.dotted else 0)) / width
+        self._axes = self._figure.add_axes((margin, BELOW / height, inside[0] / width, inside[1] / height))
+        self._axes.set(xlim=(left, right), ylim=(bottom, top))
+        self._axes.set_axis_off()
+        seconds = len(self.frames) / beats / rate
+        self._draw_ground(result, scene.slow_down(result.case, seconds), width, height, margin + inside[0] / width)
+        self._moving = self._movers(height, 72.0 / DPI * pixels * self.chord)
+
+    def pictures(self) -> Iterator[NDArray[np.uint8]]:
+        """The pictures in turn, RGB, shape (height, width, 3)."""
+        self._canvas.draw()
+        ground = self._canvas.copy_from_bbox(self._figure.bbox)
+        wake, load, wing, edge, clock, force = self._moving
+        arrow = scene.REACH * self.chord
+        for frame in self.frames:
+            self._canvas.restore_region(ground)
+            order = np.argsort(np.abs(frame.circulation))
+            wake.set_offsets(frame.wake[order])
+            wake.set_array(frame.circulation[order])
+            wing.set_data(*frame.wing.T)
+            edge.set_data(*frame.wing[:1].T)
+            if not self.dotted:
+                tips = frame.middles + frame.traction * arrow / self.shared.traction
+                load.set_xy(np.concatenate((frame.middles, tips[::-1])))
+            tip = frame.foot + frame.force * arrow / self.shared.force
+            force.xyann, force.xy = (frame.foot[0], frame.foot[1]), (tip[0], tip[1])
+            clock.set_text(self._clock(frame.beats))
+            for artist in self._moving:
+                self._figure.draw_artist(artist)
+            yield np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
+
+    def _clock(self, beats: float) -> str:
+        if not self._case.periodic:
+            return scene.when(self._case, beats)
+        beat = math.floor(beats + 1e-9)
+        return f"beat {beat + 1},  t/T = {abs(beats - beat):.2f}"
+
+    def _movers(self, height: float, size: float) -> tuple[PathCollection, Polygon, Line2D, Line2D, Text, Annotation]:
+        """What is drawn anew for each frame; `size` is the chord on the page, points."""
+        axes = self._axes
+        width = np.clip(0.032 * size, 1.6, 3.6)
+        cmap = ListedColormap(palette.table(self.theme.anchors) / 255.0)
+        limits = Normalize(-self.shared.circulation, self.shared.circulation)
+        wake = axes.scatter(
+            [], [], c=[], s=np.clip(0.035 * size, 2.2, 4.0) ** 2, linewidths=0.0, cmap=cmap, norm=limits
+        )
+        (wing,) = axes.plot([], [], color=self.theme.ink, linewidth=width, solid_capstyle="round")
+        (edge,) = axes.plot([], [], "o", color=self.theme.ink, markersize=1.9 * width)
+        load = Polygon(np.zeros((1, 2)), facecolor=f"{self.theme.force}40", edgecolor=self.theme.force, linewidth=1.2)
+        axes.add_patch(load)
+        clock = self._figure.text(
+            0.5,
+            1.0 - 64.0 / height,
+            "",
+            ha="center",
+            va="center",
+            fontsize=14,
+            color=self.theme.ink,
+            family="DejaVu Sans Mono",
+        )
+        force = axes.annotate(
+            "", (0, 0), (0, 0), annotation_clip=False,
+            arrowprops={"arrowstyle": "-|>", "color": self.theme.force, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+        movers = (wake, load, wing, edge, clock, force)
+        for artist in movers:
+            artist.set_animated(True)
+        return movers
+
+    def _draw_ground(self, result: Result, slower: float, width: float, height: float, right: float) -> None:
+        figure, axes, chord = self._figure, self._axes, self.chord
+        title = f"{scene.label(result)}   ({result.case.model}, {slower:.0f} times slower than life)"
+        head = figure.text(
+            0.5,
+            1.0 - 26.0 / height,
+            title,
+            ha="center",
+            va="center",
+            fontsize=11,
+            color=self.theme.muted,
+            parse_math=False,
+        )
+        # A long title shrinks until it fits a narrow page.
+        head.set_fontsize(11 * min(1.0, 0.97 * figure.bbox.width / head.get_window_extent().width))
+        axes.plot(self._sway, [0.0, 0.0], color=self.theme.muted, linewidth=0.8, linestyle=(0, (5, 4)))
+        left, _, bottom, top = self.shared.page
+        start, base = left + 0.25 * chord, bottom + 0.2 * chord
+        axes.plot([start, start + chord], [base, base], color=self.theme.ink, linewidth=2.0, solid_capstyle="butt")
+        axes.annotate(
+            f"1 chord = {1e3 * chord:g} mm", (start, base), (0, 6), textcoords="offset points", fontsize=11,
+            color=self.theme.ink,
+        )  # fmt: skip
+        at = (start, bottom + 0.2 * chord + 0.09 * (top - bottom))
+        axes.annotate(
+            "", (at[0] + scene.REACH * chord, at[1]), at,
+            arrowprops={"arrowstyle": "-|>", "color": self.theme.force, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+        factor, unit = prefixed(self.shared.force, "N")
+        force = f"force {factor * self.shared.force:g} {unit}"
+        if not self.dotted:
+            force += f"; load along the chord {self.shared.traction:g} Pa"
+        axes.annotate(force, at, (0, 8), textcoords="offset points", fontsize=11, color=self.theme.ink)
+        if self.dotted:
+            self._draw_legend(right, width, height)
+
+    def _draw_legend(self, right: float, width: float, height: float) -> None:
+        bar = self._figure.add_axes((right + 44 / width, 0.24, 18 / width, 0.5))
+        limit = self.shared.circulation
+        bar.imshow(palette.table(self.theme.anchors)[::-1, None, :], extent=(0, 1, -limit, limit), aspect="auto")
+        bar.set(xticks=[], yticks=np.linspace(-limit, limit, 5))
+        bar.yaxis.set_major_formatter("{x:g}")
+        bar.yaxis.tick_right()
+        bar.tick_params(labelsize=10, color=self.theme.muted, labelcolor=self.theme.ink)
+        bar.set_title("Γ (m² s⁻¹)", fontsize=11, color=self.theme.ink, pad=10)
+        bar.spines[:].set_visible(False)
+
+
+def _even(pixels: float) -> int:
+    """A whole, even number, as H.264 asks for."""
+    return 2 * round(pixels / 2.0)

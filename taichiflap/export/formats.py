@@ -1,0 +1,65 @@
+"""Results in other programs' formats: which there are, where they go, and who writes them."""
+
+from pathlib import Path
+
+from .. import files
+from ..drawing import palette
+from ..results.reader import Result
+
+FORMATS = ("csv", "vtkhdf", "html", "mp4", "gif")
+FILMS = ("mp4", "gif")
+BEATS = {"html": 4, "mp4": 2, "gif": 1}
+"""Formats that show the last beats, and how many if not told."""
+
+
+def export(
+    result: Result,
+    kind: str,
+    path: Path | None = None,
+    beats: int | None = None,
+    overwrite: bool = False,
+    dark: bool = False,
+) -> Path:
+    """Write a result in another format and return the file's name.
+
+    Args:
+        kind: one of `FORMATS`.
+        path: the file, or a folder to put it in; the result's own name, here, if None.
+        beats: how many of the last beats a page or a film shows; fewer if the run has fewer.
+        dark: draw a film on a dark ground.
+
+    Raises:
+        OutputError: for an unknown format, a file that exists already, or one that cannot be written.
+        SceneError: when there is nothing to show.
+    """
+    if kind not in FORMATS:
+        raise files.OutputError(f"no format {kind!r}; there are {', '.join(FORMATS)}")
+    if beats is not None and kind not in BEATS:
+        raise files.OutputError(f"{kind} holds the whole run; --beats is for {', '.join(BEATS)}")
+    if beats is not None and beats < 1:
+        raise files.OutputError(f"--beats {beats}: must be at least 1")
+    if dark and kind not in FILMS:
+        raise files.OutputError(f"--dark is for {' and '.join(FILMS)}")
+    path = files.place(result, path, f".{kind}")
+    files.check(path, overwrite)
+    if not result.frames:
+        raise files.OutputError(f"{result.path or 'this result'}: has no frames yet")
+    # Each writer is imported for its own format only: three of them bring heavy libraries.
+    if kind == "csv":
+        from .table import write_csv  # noqa: PLC0415
+
+        write_csv(result, path)
+    elif kind == "vtkhdf":
+        from .vtkhdf import write_vtkhdf  # noqa: PLC0415
+
+        write_vtkhdf(result, path)
+    elif kind == "html":
+        from .page import write_html  # noqa: PLC0415
+
+        write_html(result, path, beats or BEATS[kind])
+    else:
+        from .film import write_gif, write_mp4  # noqa: PLC0415
+
+        theme = palette.DARK if dark else palette.LIGHT
+        (write_mp4 if kind == "mp4" else write_gif)(result, path, beats or BEATS[kind], theme)
+    return path

@@ -1,0 +1,120 @@
+"""One HTML file that plays a result's last beats, offline, with its own player (`player.html`)."""
+
+import base64
+import html
+import json
+import math
+from importlib import resources
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import files
+from ..drawing import palette, scene
+from ..notation import prefixed
+from ..results.reader import Result
+
+BUDGET = 7_000_000
+"""Bytes of numbers in a page, so that it stays under 10 MB as text."""
+MOST, FEWEST = 100, 20
+"""Frames a beat: no more than one sees, and enough to look like motion."""
+STEPS = 32767
+"""Numbers are kept as whole multiples, up to so many, of a step of their own."""
+
+
+def write_html(result: Result, path: Path, beats: int) -> int:
+    """Write a page that plays the last beats, or as many of them as fit in 10 MB, and return its number of frames.
+
+    Raises:
+        SceneError: when the result has no whole beat.
+        OutputError: when not even one beat fits, or the file cannot be written.
+    """
+    indices, per_beat = _fitting(result, path, beats)
+    page = _page(result, [scene.frame(result, int(index)) for index in indices], indices, per_beat)
+    with files.replacing(path) as file:
+        file.write(page.encode())
+    return len(indices)
+
+
+def pack(values: ArrayLike) -> dict[str, Any]:
+    """Numbers as 16-bit integers in base64: value = offset + scale * integer, right to half a `scale`."""
+    flat = np.asarray(values, dtype=float).ravel()
+    low, high = (float(flat.min()), float(flat.max())) if flat.size else (0.0, 0.0)
+    offset = 0.5 * (low + high)
+    scale = 0.5 * (high - low) / STEPS or 1.0
+    whole = np.rint((flat - offset) / scale).astype("<i2")
+    return {"offset": offset, "scale": scale, "data": _base64(whole)}
+
+
+def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], float]:
+    """Frames that fit in the budget, and how many of them make a beat."""
+    stored = result.case.steps_per_beat / result.case.output.every
+    for count in range(beats, 0, -1):
+        indices = scene.last_beats(result, count)[:-1]
+        nodes = result.file["node_position"].shape[1]
+        most_vortices = max(len(result.wake(int(index))["y"]) for index in (indices[0], indices[-1]))
+        room = BUDGET / (2.0 * (3 * most_vortices + 4 * nodes + 4))
+        stride = max(math.ceil(stored / MOST), math.ceil(len(indices) / room))
+        if stored / stride >= min(FEWEST, stored):
+            return indices[::stride], stored / stride
+    raise files.OutputError(f"{path}: a beat of this wake does not fit in 10 MB; mp4 has no such limit")
+
+
+def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], per_beat: float) -> str:
+    case = result.case
+    shared = scene.bounds(frames, case)
+    loaded = not any(len(frame.wake) for frame in frames)
+    data = {
+        "chord": case.wing.chord,
+        "beat": case.beat,
+        "periodic": case.periodic,
+        "sway": scene.sway(result, indices),
+        "first": frames[0].beats,
+        "per_beat": per_beat,
+        "page": shared.page,
+        "limit": shared.circulation,
+        "saturated": shared.saturated,
+        "force_limit": shared.force,
+        "force_unit": prefixed(shared.force, "N"),
+        "tip_unit": prefixed(float(np.abs(result.tip_deflection[indices]).max()), "m") if case.wing.modes else None,
+        "traction_limit": shared.traction,
+        "reach": scene.REACH,
+        "nodes": len(frames[0].wing),
+        "panels": len(frames[0].traction) if loaded else 0,
+        "counts": [len(frame.wake) for frame in frames],
+        "wing": pack([frame.wing for frame in frames]),
+        "wake": pack(np.concatenate([frame.wake for frame in frames])),
+        "circulation": pack(np.concatenate([frame.circulation for frame in frames])),
+        "traction": pack([frame.traction for frame in frames] if loaded else []),
+        "force": pack([frame.force for frame in frames]),
+        "tip": pack(result.tip_deflection[indices]),
+        "lift": pack(result.force_vertical[indices]),
+        "tables": {
+            "light": _base64(palette.table(palette.LIGHT.anchors)),
+            "dark": _base64(palette.table(palette.DARK.anchors)),
+        },
+    }
+    model = f"{case.model}, {'flexible' if case.wing.modes else 'rigid'} wing"
+    if case.motion.frequency:
+        model += f", {case.motion.frequency:g} Hz"
+    if case.solver == "dbet":
+        model += "; blade elements have no wake"
+    return Template(resources.files(__package__).joinpath("player.html").read_text(encoding="utf-8")).substitute(
+        title=html.escape(scene.label(result)),
+        model=html.escape(model),
+        light=_properties(palette.LIGHT),
+        dark=_properties(palette.DARK),
+        data=json.dumps(data).replace("<", "\\u003c"),
+    )
+
+
+def _properties(theme: palette.Theme) -> str:
+    names = ("ground", "ink", "muted", "faint", "force")
+    return " ".join(f"--{name}: {getattr(theme, name)};" for name in names)
+
+
+def _base64(values: NDArray[Any]) -> str:
+    return base64.b64encode(values.tobytes()).decode()

@@ -1,0 +1,279 @@
+"""The vortex lattice on the deformed camber line: its panels, and the circulation that lets no fluid through.
+
+Reade & Jankauski (2020), Eqs 28-31; `taichiflap.fluids.uvlm.stations` says where its parts sit. On the wing all is
+in wing axes (e_y, e_z); the bound vortices and the control points, which meet the wake, are also kept in Y, Z. With
+the wing and the wake in place the circulation is linear in the wing's velocity, hence in the modal acceleration: one
+elimination gives it for no acceleration (column 0) and for a unit rate of every mode (columns 1 to K).
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ...case.case import Case
+from ...kernels import linear
+from ...kernels.runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets2, Octets3, View, ti
+from ...march.state import AMPLITUDE, COSINE, RATE, SINE, array, most_modes, pivot_velocity, zeros
+from ...motion.sampling import PITCH_RATE, PLUNGE
+from ...structure.beam import Modes
+from ...structure.chordwise import Profile
+from ...vortex.sum import CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet
+from . import merging, wake
+from . import stations as spacing
+from .stations import NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
+from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, GAP, REFLECTS, YOUNGEST
+
+ALONG, ACROSS = 2, 3
+"""Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
+FACTOR, FORCE = range(2)
+"""Columns of `suction`: N s2/m2 (`spacing.suction_factor`; 0: none), and N, as expected."""
+
+Lattice = ti.types.argpack(
+    panels=Ints1,
+    whole=Ints1,  # 1: the pressure counts whole panels (`loads = "panels"`)
+    density=Floats1,
+    span=Floats2,  # mean span of every panel
+    stream=Floats2,
+    shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.fluids.uvlm.stations
+    node=Floats3,  # nodes in wing axes, and the rate of their deflection without acceleration
+    length=Floats2,
+    vortex=Floats3,  # bound vortices and control points in wing axes, with the tangents there ...
+    point=Floats3,
+    bound=Floats3,  # ... and in Y, Z, the vortices with their circulation
+    control=Floats3,
+    wash=Floats3,  # velocity of the wake at the control points, in wing axes
+    new=Floats3,  # and of a new vortex of unit circulation
+    slip=Floats3,  # row 0: tangential velocity of the fluid past the panel, as expected
+    suction=Floats2,
+    sums=Floats3,  # circulation ahead of and on each panel, one step earlier and two
+    total=Floats1,  # bound circulation, one step earlier
+    pressure=Floats2,
+    matrix=Octets3,  # and the right-hand sides, while they are solved
+    solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode
+    factor=Octets2,
+)
+
+
+def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
+    """Arrays of the lattices of a batch."""
+    count = len(cases)
+    most = 8 * linear.octets(max(case.uvlm.panels for case in cases))
+    modes = most_modes(sections)
+    node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
+    shape = np.zeros((count, modes, TABLES, most + 1))
+    suction, span = np.zeros((count, 2)), np.zeros((count, most))
+    for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
+        at, panels = spacing.stations(case), case.uvlm.panels
+        node[b, Y, : panels + 1], vortex[b, Y, :panels], point[b, Y, :panels] = at.node, at.vortex, at.point
+        shape[b, : section.count, :, : panels + 1] = spacing.tables(case, section.shape, section.slope)
+        span[b, :panels] = Profile.of(case.wing.span).means(at.node / case.wing.chord + case.wing.pivot)
+        suction[b, FACTOR] = spacing.suction_factor(case) if case.uvlm.suction else 0.0
+    return Lattice(
+        panels=array([case.uvlm.panels for case in cases]),
+        whole=array([int(case.uvlm.loads == "panels") for case in cases]),
+        density=array([case.fluid.density for case in cases], float),
+        span=array(span),
+        stream=array([case.fluid.velocity for case in cases], float),
+        shape=array(shape),
+        node=array(node),
+        length=zeros(ti.f64, count, most),
+        vortex=array(vortex),
+        point=array(point),
+        bound=zeros(ti.f64, count, 4, most),
+        control=zeros(ti.f64, count, 2, most),
+        wash=zeros(ti.f64, count, 2, most),
+        new=zeros(ti.f64, count, 2, most),
+        slip=zeros(ti.f64, count, 2, most),
+        suction=array(suction),
+        sums=zeros(ti.f64, count, 2, most),
+        total=zeros(ti.f64, count),
+        pressure=zeros(ti.f64, count, most),
+        matrix=zeros(Octet, count, most, most // 8 + linear.octets(modes + 1)),
+        solution=zeros(ti.f64, count, modes + 1, most),
+        factor=zeros(Octet, count, most),
+    )
+
+
+def nodes(case: Case) -> np.ndarray:
+    """Positions of the ends of the panels along the chord, from the pivot, m."""
+    return spacing.stations(case).node
+
+
+@ti.func
+def between(left, right, share):
+    return left + share * (right - left)
+
+
+@ti.func
+def deflect(flow: View, state: View, b, row, table, i, modes):
+    """`sum_k phi_k q_k` of a row of a modal state, the modes taken from a table: W (Eq. 8), its rate, its slope."""
+    total = 0.0
+    for k in range(modes):
+        total += flow.shape[b, k, table, i] * state[b, row, k]
+    return total
+
+
+@ti.func
+def lay_panels(body: View, flow: View, b, n):
+    """Panels, bound vortices and control points of the wing as it is expected to deform."""
+    modes = body.modes[b]
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    pivot = body.motion[b, n, PLUNGE]
+    for i in range(flow.panels[b] + 1):
+        flow.node[b, Z, i] = deflect(flow, body.q_guess, b, AMPLITUDE, NODE, i, modes)
+        flow.node[b, 2, i] = deflect(flow, body.q_known, b, RATE, NODE, i, modes)
+    for i in range(flow.panels[b]):
+        dy = flow.node[b, Y, i + 1] - flow.node[b, Y, i]
+        dz = flow.node[b, Z, i + 1] - flow.node[b, Z, i]
+        flow.length[b, i] = ti.sqrt(dy * dy + dz * dz)
+        put(flow.vortex, deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX, i, modes),
+            deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX_SLOPE, i, modes), b, i)  # fmt: skip
+        put(flow.point, deflect(flow, body.q_guess, b, AMPLITUDE, POINT, i, modes),
+            deflect(flow, body.q_guess, b, AMPLITUDE, POINT_SLOPE, i, modes), b, i)  # fmt: skip
+        flow.bound[b, Y, i] = cosine * flow.vortex[b, Y, i] - sine * flow.vortex[b, Z, i]
+        flow.bound[b, Z, i] = pivot + sine * flow.vortex[b, Y, i] + cosine * flow.vortex[b, Z, i]
+        flow.control[b, Y, i] = cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
+        flow.control[b, Z, i] = pivot + sine * flow.point[b, Y, i] + cosine * flow.point[b, Z, i]
+
+
+@ti.func
+def put(stations: View, deflection, slope, b, i):
+    """Deflection of a vortex or a point, and the tangent of the camber line there."""
+    stretch = 1.0 / ti.sqrt(1.0 + slope * slope)
+    stations[b, Z, i] = deflection
+    stations[b, ALONG, i] = stretch
+    stations[b, ACROSS, i] = slope * stretch
+
+
+@ti.func
+def guard(body: View, flow: View, wakes: View, b, n):
+    """Count the wake vortices that the wing has come upon since the last step, and keep them on their side of it.
+
+    A vortex that was above the wing and now is below stands as far above instead; it may go around an edge.
+    """
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    pivot = body.motion[b, n, PLUNGE]
+    last = flow.panels[b]
+    for m in range(wakes.ring[b, COUNT]):
+        up = wakes.vortex[b, Z, m] - pivot
+        y = cosine * wakes.vortex[b, Y, m] + sine * up
+        gap = 0.0
+        if flow.node[b, Y, 0] < y < flow.node[b, Y, last]:
+            low, high = 0, last
+            while high - low > 1:
+                half = (low + high) // 2
+                if flow.node[b, Y, half] <= y:
+                    low = half
+                else:
+                    high = half
+            share = (y - flow.node[b, Y, low]) / (flow.node[b, Y, high] - flow.node[b, Y, low])
+            gap = (
+                cosine * up - sine * wakes.vortex[b, Y, m] - between(flow.node[b, Z, low], flow.node[b, Z, high], share)
+            )
+        if gap * wakes.vortex[b, GAP, m] < 0.0:
+            wakes.ring[b, CROSSINGS] = wakes.ring[b, CROSSINGS] + 1
+            if wakes.setting[b, REFLECTS] > 0.0:
+                wakes.vortex[b, Y, m] = wakes.vortex[b, Y, m] + 2.0 * gap * sine
+                wakes.vortex[b, Z, m] = wakes.vortex[b, Z, m] - 2.0 * gap * cosine
+                gap = -gap
+        wakes.vortex[b, GAP, m] = gap
+
+
+@ti.func
+def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
+    """Place this step's wake vortex behind the trailing edge and note what a unit of it does to the panels.
+
+    Fixed rule: a distance along the tangent there. Local rule: a share of the trailing edge's path relative to the
+    flow that carried the youngest vortex; never ahead of the edge, never closer than the least travel.
+    """
+    edge = flow.panels[b]
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    t_y = flow.point[b, ALONG, edge - 1]
+    t_z = flow.point[b, ACROSS, edge - 1]
+    along = wakes.setting[b, DISTANCE]
+    across = 0.0
+    if wakes.setting[b, ALONG_PATH] > 0.0:
+        p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+        theta_rate = body.motion[b, n, PITCH_RATE]
+        u_y = theta_rate * flow.node[b, Z, edge] - p_y
+        u_z = -p_z - theta_rate * flow.node[b, Y, edge] - flow.node[b, 2, edge]
+        if n > 0:
+            youngest = wakes.ring[b, YOUNGEST]
+            w_y = wakes.velocity[b, Y, youngest] - flow.stream[b, Y]
+            w_z = wakes.velocity[b, Z, youngest] - flow.stream[b, Z]
+            u_y += cosine * w_y + sine * w_z
+            u_z += cosine * w_z - sine * w_y
+        share = wakes.setting[b, ALONG_PATH] * body.dt[b]
+        along = ti.max(share * (u_y * t_y + u_z * t_z), along)
+        across = share * (u_z * t_y - u_y * t_z)
+    y = flow.node[b, Y, edge] + along * t_y - across * t_z
+    z = flow.node[b, Z, edge] + along * t_z + across * t_y
+    pivot = body.motion[b, n, PLUNGE]
+    middle = flow.panels[b] // 2
+    merging.make_room(wakes, b, flow.bound[b, Y, middle], flow.bound[b, Z, middle], absorbing)
+    wake.shed(wakes, b, n, cosine * y - sine * z, pivot + sine * y + cosine * z)
+    core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
+    for i in range(flow.panels[b]):
+        dy = flow.point[b, Y, i] - y
+        dz = flow.point[b, Z, i] - z
+        strength = INV_2PI / (dy * dy + dz * dz + core2)
+        flow.new[b, Y, i] = -dz * strength
+        flow.new[b, Z, i] = dy * strength
+
+
+@ti.func
+def wash_panels(body: View, flow: View, wakes: View, b, n):
+    """Velocity of the wake at the control points, along e_y and e_z."""
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    for block in range((flow.panels[b] + 7) // 8):
+        y = octet(flow.control, b, Y, 8 * block)
+        z = octet(flow.control, b, Z, 8 * block)
+        u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
+        store_octet(flow.wash, b, Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.wash, b, Z, 8 * block, cosine * u_z - sine * u_y)
+
+
+@ti.func
+def assemble(body: View, flow: View, b, n):
+    """No penetration at every control point (Eqs 28, 31), the new vortex eliminated by Kelvin's theorem.
+
+    `sum_j Gamma_j + Gamma_new = total` (the corrected last row of Eq. 31: all bound circulation of the step
+    before), so that column j holds vortex j less the new one.
+    """
+    modes = body.modes[b]
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    for i in range(flow.panels[b]):
+        t_y = flow.point[b, ALONG, i]
+        t_z = flow.point[b, ACROSS, i]
+        new = flow.new[b, Z, i] * t_y - flow.new[b, Y, i] * t_z
+        for block in range((flow.panels[b] + 7) // 8):
+            dy = flow.point[b, Y, i] - octet(flow.vortex, b, Y, 8 * block)
+            dz = flow.point[b, Z, i] - octet(flow.vortex, b, Z, 8 * block)
+            flow.matrix[b, i, block] = INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz) - new
+        u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.wash[b, Y, i]
+        u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.wash[b, Z, i]
+        u_z += deflect(flow, body.q_known, b, RATE, POINT, i, modes)
+        flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.total[b]
+        for k in range(modes):
+            flow.solution[b, k + 1, i] = flow.shape[b, k, POINT, i] * t_y
+
+
+@ti.func
+def solve(body: View, flow: View, b):
+    """Circulations for no modal acceleration and for a unit rate of every mode."""
+    linear.solve(flow.matrix, flow.solution, flow.factor, b, flow.panels[b], body.modes[b] + 1)
+
+
+@ti.func
+def circulation_at(body: View, flow: View, state: View, b, i):
+    """Circulation of panel `i` at the modal rates of a state."""
+    circulation = flow.solution[b, 0, i]
+    for k in range(body.modes[b]):
+        circulation += flow.solution[b, k + 1, i] * (state[b, RATE, k] - body.q_known[b, RATE, k])
+    return circulation

@@ -1,0 +1,258 @@
+"""Unsteady vortex lattice: loads of a lumped-vortex lattice on the deformed camber line, with a free wake.
+
+Reade & Jankauski (2020), Eqs 28-34; `lattice` holds Eqs 28-31, `wake` Eqs 29 and 32.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...case.case import Case
+from ...kernels.runtime import Floats2, Ints2, Ints3, Singles3, Singles4, View, ti
+from ...march.state import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
+from ...structure.beam import Modes
+from ...vortex.sum import CIRCULATION, Y, Z
+from . import lattice, tangential, wake
+from .lattice import ACROSS, ALONG, FACTOR, between, circulation_at
+from .long_wake import LongWakes
+from .stations import ACT, AHEAD, BEHIND, NODE
+from .wake import COUNT, CROSSINGS, FAR_ERROR, KEEP, OLDEST, YOUNGEST
+
+Film = ti.types.argpack(
+    circulation=Floats2,
+    panel_circulation=Singles3,
+    pressure_jump=Singles3,
+    wake_count=Ints2,
+    wake=Singles4,  # (case, frame, 3, vortex), first shed first
+    wake_birth=Ints3,
+    wake_crossings=Ints2,
+    wake_lost=Floats2,
+    wake_far_error=Floats2,
+)
+
+GROUPS = {"flow": lattice.Lattice, "wake": wake.Wake, "film": Film}
+
+nodes = lattice.nodes
+
+
+def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]:
+    """Arrays of the lattices and wakes of a batch."""
+    return {"flow": lattice.allocate(cases, sections), "wake": wake.allocate(cases)}
+
+
+@dataclass(frozen=True)
+class Uses:
+    """What of the model some case of a batch needs; the kernel holds nothing else, and is ready the sooner."""
+
+    suction: bool
+    loads_at_vortices: bool
+    single_precision: bool
+    absorbing: bool
+
+
+def uses(cases: Sequence[Case]) -> Uses:
+    """What a batch needs of the model."""
+    return Uses(
+        suction=any(case.uvlm.suction for case in cases),
+        loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
+        single_precision=any(case.uvlm.precision == "single" for case in cases),
+        absorbing=any(case.uvlm.old_wake == "absorb" and wake.ring_size(case) <= case.steps for case in cases),
+    )
+
+
+def ahead(cases: Sequence[Case], groups: dict[str, Any], threads: int | None) -> LongWakes:
+    """What a step of long wakes is worth doing on all threads."""
+    return LongWakes(cases, groups["wake"], groups["flow"], groups["body"].failed, threads)
+
+
+def film(cases: Sequence[Case], frames: int) -> Any:
+    """Room for `frames` frames of the fields along the chord and of the wake."""
+    count = len(cases)
+    panels = max(case.uvlm.panels for case in cases)
+    vortices = max(wake.ring_size(case) for case in cases)
+    return Film(
+        circulation=ti.ndarray(ti.f64, (count, frames)),
+        panel_circulation=ti.ndarray(ti.f32, (count, frames, panels)),
+        pressure_jump=ti.ndarray(ti.f32, (count, frames, panels)),
+        wake_count=ti.ndarray(ti.i32, (count, frames)),
+        wake=ti.ndarray(ti.f32, (count, frames, 3, vortices)),
+        wake_birth=ti.ndarray(ti.i32, (count, frames, vortices)),
+        wake_crossings=ti.ndarray(ti.i32, (count, frames)),
+        wake_lost=ti.ndarray(ti.f64, (count, frames)),
+        wake_far_error=ti.ndarray(ti.f64, (count, frames)),
+    )
+
+
+def trim(frames: dict[str, np.ndarray], case: Case) -> dict[str, np.ndarray]:
+    """One case's share of the padded frames of a batch, its wake as contiguous ragged arrays."""
+    panels = {name: frames[name][:, : case.uvlm.panels] for name in ("panel_circulation", "pressure_jump")}
+    kept = {name: values for name, values in frames.items() if name != "wake_far_error" or case.uvlm.far_error}
+    return kept | panels | wake.in_order(frames)
+
+
+def work(case: Case, step: int) -> float:
+    """Cost of a step, in pair interactions (about a nanosecond): the wake grows until it is full."""
+    panels, vortices = case.uvlm.panels, min(step + 1, wake.ring_size(case))
+    return (vortices + panels) ** 2 + panels**3 / 10.0
+
+
+def vortices(case: Case) -> int:
+    """Wake vortices of all frames together."""
+    return int(np.minimum(np.arange(1, case.steps + 2, case.output.every), wake.ring_size(case)).sum())
+
+
+def frame_bytes(case: Case) -> float:
+    """Size of a frame's fields."""
+    return 16.0 * wake.ring_size(case) + 8.0 * case.uvlm.panels
+
+
+@ti.func
+def load_modes(body: View, flow: View, b, rule, used: View):
+    """Modal force and its response to the modal acceleration.
+
+    Unsteady Bernoulli (Eq. 33) with the second-order d(Gamma)/dt: `-rho (slip Gamma + dPhi/dt dy)` along e_z, where the
+    jump of potential Phi is the running sum of Gamma. It steps at the vortices (`loads = "vortices"`), which carry the
+    steady part; with "panels" it counts a panel's own Gamma all over it, and the steady part acts at its middle.
+    """
+    modes = body.modes[b]
+    for column in range(modes + 1):
+        running = 0.0
+        change_ahead = 0.0
+        for i in range(flow.panels[b]):
+            scale = -flow.density[b] * flow.span[b, i]
+            circulation = flow.solution[b, column, i]
+            running += circulation
+            change = rule[C0] * running
+            if column == 0:
+                change += rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
+            along, _ = acting_tangent(flow, b, i)
+            steady = flow.slip[b, 0, i] * circulation * along
+            for j in range(modes):
+                share = steady * flow.shape[b, j, ACT, i]
+                share += change_ahead * flow.shape[b, j, AHEAD, i] + change * flow.shape[b, j, BEHIND, i]
+                if column == 0:
+                    body.load[b, j] = body.load[b, j] + scale * share
+                else:
+                    body.response[b, j, column - 1] = body.response[b, j, column - 1] + rule[BETA] * scale * share
+            change_ahead = change
+    if ti.static(used.suction):
+        if flow.suction[b, FACTOR] > 0.0:
+            _, normal = tangential.suction_force(body, flow, b)
+            for j in range(modes):
+                body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
+
+
+@ti.func
+def acting_tangent(flow: View, b, i):
+    """Tangent where a panel's steady force acts."""
+    along = flow.vortex[b, ALONG, i]
+    across = flow.vortex[b, ACROSS, i]
+    if flow.whole[b] == 1:
+        along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.length[b, i]
+        across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.length[b, i]
+    return along, across
+
+
+@ti.func
+def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
+    """Circulation, new vortex and forces with the modal rates that the step has come to.
+
+    The force of a pressure dP on a piece of the camber line is `dP * span * (-dz, dy)` and its moment about the pivot
+    `dP * span * d(r^2)/2`, whatever the shape of the piece (Eq. 34 prints c for the span).
+    """
+    total_normal = 0.0
+    total_axial = 0.0
+    total_moment = 0.0
+    total_unsteady = 0.0
+    running = 0.0
+    change_ahead = 0.0
+    for i in range(flow.panels[b]):
+        scale = -flow.density[b] * flow.span[b, i]
+        circulation = circulation_at(body, flow, body.q, b, i)
+        running += circulation
+        change = rule[C0] * running + rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
+        flow.sums[b, 1, i] = flow.sums[b, 0, i]
+        flow.sums[b, 0, i] = running
+        flow.bound[b, CIRCULATION, i] = circulation
+        y_0, z_0, y_1, z_1 = flow.node[b, Y, i], flow.node[b, Z, i], flow.node[b, Y, i + 1], flow.node[b, Z, i + 1]
+        y_step, z_step = flow.vortex[b, Y, i], flow.vortex[b, Z, i]
+        y_act, z_act = y_step, z_step
+        if flow.whole[b] == 1:
+            y_step, z_step = y_0, z_0
+            y_act, z_act = between(y_0, y_1, 0.5), between(z_0, z_1, 0.5)
+        steady = scale * flow.slip[b, 0, i] * circulation
+        along, across = acting_tangent(flow, b, i)
+        unsteady = scale * (change_ahead * (y_step - y_0) + change * (y_1 - y_step))
+        normal = steady * along + unsteady
+        total_normal += normal
+        total_unsteady += unsteady
+        total_axial -= steady * across + scale * (change_ahead * (z_step - z_0) + change * (z_1 - z_step))
+        total_moment += steady * (y_act * along + z_act * across)
+        inner, middle, outer = y_0 * y_0 + z_0 * z_0, y_step * y_step + z_step * z_step, y_1 * y_1 + z_1 * z_1
+        total_moment += 0.5 * scale * (change_ahead * (middle - inner) + change * (outer - middle))
+        flow.pressure[b, i] = normal / (flow.span[b, i] * (y_1 - y_0))
+        change_ahead = change
+    wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.total[b] - running
+    flow.total[b] = running
+    if ti.static(used.suction):
+        if flow.suction[b, FACTOR] > 0.0:
+            axial, normal = tangential.suction_force(body, flow, b)
+            total_normal += normal
+            total_axial += axial
+            total_moment += flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
+    body.force[b, NORMAL] = total_normal
+    body.force[b, AXIAL] = total_axial
+    body.force[b, MOMENT] = total_moment
+    body.force[b, UNSTEADY] = total_unsteady
+
+
+@ti.func
+def prepare(batch: View, b, n, rule, used: View):
+    """Geometry and circulation of the coming step `n`, linear in the modal acceleration; its modal force."""
+    panels = batch.flow.panels[b]
+    if n > 0:
+        dt = batch.body.dt[b]
+        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, dt, used.single_precision)
+    lattice.lay_panels(batch.body, batch.flow, b, n)
+    lattice.guard(batch.body, batch.flow, batch.wake, b, n)
+    lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used.absorbing)
+    lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
+    lattice.assemble(batch.body, batch.flow, b, n)
+    lattice.solve(batch.body, batch.flow, b)
+    if batch.flow.whole[b] == 1:
+        tangential.past_points(batch.body, batch.flow, b, n)
+    if ti.static(used.suction or used.loads_at_vortices):
+        if batch.flow.whole[b] == 0 or batch.flow.suction[b, FACTOR] > 0.0:
+            tangential.expect_circulation(batch.body, batch.flow, batch.wake, b)
+    if ti.static(used.loads_at_vortices):
+        if batch.flow.whole[b] == 0:
+            tangential.past_vortices(batch.body, batch.flow, batch.wake, b, n)
+    if ti.static(used.suction):
+        if batch.flow.suction[b, FACTOR] > 0.0:
+            tangential.suck(batch.body, batch.flow, batch.wake, b, n)
+    load_modes(batch.body, batch.flow, b, rule, used)
+
+
+@ti.func
+def settle(batch: View, b, n, rule, used: View):
+    """Circulation, new vortex and forces of step `n` once its modal acceleration is known."""
+    circulate(batch.body, batch.flow, batch.wake, b, rule, used)
+
+
+@ti.func
+def record(batch: View, b, frame):
+    batch.film.circulation[b, frame] = batch.flow.total[b]
+    for i in range(batch.flow.panels[b]):
+        batch.film.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
+        batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.pressure[b, i], ti.f32)
+    batch.film.wake_count[b, frame] = batch.wake.ring[b, COUNT]
+    batch.film.wake_crossings[b, frame] = batch.wake.ring[b, CROSSINGS]
+    batch.film.wake_far_error[b, frame] = batch.wake.tally[b, FAR_ERROR]
+    batch.film.wake_lost[b, frame] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
+    for m in range(batch.wake.ring[b, COUNT]):
+        place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, KEEP]
+        batch.film.wake_birth[b, frame, m] = batch.wake.birth[b, place]
+        for axis in range(3):
+            batch.film.wake[b, frame, axis, m] = ti.cast(batch.wake.vortex[b, axis, place], ti.f32)

@@ -1,0 +1,111 @@
+"""The flow along the wing that its loads take: past the panels, and around the leading edge.
+
+Reade & Jankauski (2020), Eq. 33, with what the bound vortices of a bent wing add; all at the modal rates that are
+expected before the step's acceleration is known. The suction at the leading edge is Lan's (1974).
+"""
+
+from ...kernels.runtime import Octet, View, ti
+from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_velocity
+from ...motion.sampling import PITCH_RATE, PLUNGE
+from ...vortex.sum import CIRCULATION, INV_2PI, TINY, Y, Z, induce, octet, store_octet
+from .lattice import ACROSS, ALONG, FACTOR, FORCE, circulation_at, deflect
+from .stations import EDGE_SLOPE, NODE, POINT, VORTEX
+from .wake import COUNT, YOUNGEST
+
+
+@ti.func
+def new_circulation(body: View, flow: View, b):
+    """Circulation of the new vortex at the expected modal rates (Kelvin)."""
+    new = flow.total[b]
+    for i in range(flow.panels[b]):
+        new -= circulation_at(body, flow, body.q_guess, b, i)
+    return new
+
+
+@ti.func
+def past_points(body: View, flow: View, b, n):
+    """Tangential velocity `(V - Rdot) . tau` at the control points (Eq. 33), at the expected modal rates.
+
+    V holds the stream and the wake, as the paper's does, but not what the bound vortices of a bent wing add.
+    """
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    new = new_circulation(body, flow, b)
+    for i in range(flow.panels[b]):
+        u_y = flow.wash[b, Y, i] + new * flow.new[b, Y, i] - p_y + theta_rate * flow.point[b, Z, i]
+        u_z = flow.wash[b, Z, i] + new * flow.new[b, Z, i] - p_z - theta_rate * flow.point[b, Y, i]
+        u_z -= deflect(flow, body.q_guess, b, RATE, POINT, i, body.modes[b])
+        flow.slip[b, 0, i] = u_y * flow.point[b, ALONG, i] + u_z * flow.point[b, ACROSS, i]
+
+
+@ti.func
+def expect_circulation(body: View, flow: View, wakes: View, b):
+    """Give the bound vortices and the new one the circulation of the expected modal rates."""
+    for i in range(flow.panels[b]):
+        flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_guess, b, i)
+    wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = new_circulation(body, flow, b)
+
+
+@ti.func
+def induced(flow: View, wakes: View, y, z, b):
+    """Velocity at eight places (Y, Z) from the wake and from all bound vortices but one that stands there."""
+    w_y, w_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
+    b_y, b_z = induce(y, z, TINY, flow.bound, b, 0, flow.panels[b])
+    return w_y + b_y, w_z + b_z
+
+
+@ti.func
+def past_vortices(body: View, flow: View, wakes: View, b, n):
+    """Tangential velocity at the bound vortices, with that of all other vortices, at the expected modal rates.
+
+    A vortex stands for a piece of a sheet, which where it is bent moves itself along at
+    `Gamma kappa/(4 pi)`, kappa its curvature.
+    """
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    for block in range((flow.panels[b] + 7) // 8):
+        u_y, u_z = induced(flow, wakes, octet(flow.bound, b, Y, 8 * block), octet(flow.bound, b, Z, 8 * block), b)
+        store_octet(flow.slip, b, Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.slip, b, Z, 8 * block, cosine * u_z - sine * u_y)
+    for i in range(flow.panels[b]):
+        t_y = flow.vortex[b, ALONG, i]
+        t_z = flow.vortex[b, ACROSS, i]
+        u_y = flow.slip[b, Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
+        u_z = flow.slip[b, Z, i] - p_z - theta_rate * flow.vortex[b, Y, i]
+        u_z -= deflect(flow, body.q_guess, b, RATE, VORTEX, i, body.modes[b])
+        turn = t_y * flow.point[b, ACROSS, i] - t_z * flow.point[b, ALONG, i]
+        bend = turn * t_y / (flow.point[b, Y, i] - flow.vortex[b, Y, i])
+        flow.slip[b, 0, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
+
+
+@ti.func
+def suck(body: View, flow: View, wakes: View, b, n):
+    """Suction at the leading edge, along its tangent: from the flow through the lattice there, as expected.
+
+    Lan (1974): the lattice closes the wing at its control points alone, and what it lets through at the leading edge
+    is proportional to the strength of the singularity of the flow around it.
+    """
+    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    stretch = ti.sqrt(1.0 + slope * slope)
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
+    place = body.motion[b, n, PLUNGE] + sine * y + cosine * z
+    v_y, v_z = induced(flow, wakes, Octet(cosine * y - sine * z), Octet(place), b)
+    u_y = cosine * v_y[0] + sine * v_z[0] - p_y + theta_rate * z
+    u_z = cosine * v_z[0] - sine * v_y[0] - p_z - theta_rate * y
+    u_z -= deflect(flow, body.q_guess, b, RATE, NODE, 0, body.modes[b])
+    through = (u_z - slope * u_y) / stretch
+    flow.suction[b, FORCE] = flow.suction[b, FACTOR] * stretch * through * through
+
+
+@ti.func
+def suction_force(body: View, flow: View, b):
+    """The suction along e_y and e_z: it pulls the leading edge forward along its tangent."""
+    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    forward = flow.suction[b, FORCE] / ti.sqrt(1.0 + slope * slope)
+    return -forward, -forward * slope

@@ -1,0 +1,1 @@
+"""The doorway to Taichi, and the arrays and eliminations that every kernel uses."""

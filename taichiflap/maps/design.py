@@ -1,0 +1,290 @@
+"""Which cases a study runs: a grid of values, or a sample of ranges, over any keys of the case file."""
+
+import json
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..case.case import Case, read_value
+from ..errors import UserError
+
+EDGE = 0.02
+"""Share of a range that counts as its edge."""
+MOST_CASES = 10_000_000
+"""Cases of one design: their metrics alone are gigabytes."""
+
+Value = float | int | str
+
+
+class DesignError(UserError):
+    """A design that cannot be run: one sentence with the option, what is wrong with it, and the cure."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A key of the case file and the values that it takes; those that are no numbers are text as `--set` takes it."""
+
+    key: str
+    values: tuple[Value, ...]
+
+    @property
+    def numeric(self) -> bool:
+        """Whether the values are numbers, an axis of a chart."""
+        return not any(isinstance(value, str) for value in self.values)
+
+
+@dataclass(frozen=True)
+class Design:
+    """The cases of a study, numbered in C order.
+
+    Attributes:
+        axes: the keys that vary, and their values.
+        grid: every combination of values if true; otherwise the first values together, the second values, ...
+    """
+
+    axes: tuple[Axis, ...]
+    grid: bool = True
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each dimension of a map: one a key for a grid, one in all for a sample."""
+        counts = tuple(len(axis.values) for axis in self.axes)
+        return counts if self.grid else counts[:1]
+
+    @property
+    def size(self) -> int:
+        """Number of cases."""
+        return math.prod(self.shape)
+
+    def point(self, number: int) -> dict[str, Value]:
+        """The values of case `number`, by key."""
+        places = np.unravel_index(number, self.shape)
+        chosen = places if self.grid else [places[0]] * len(self.axes)
+        return {axis.key: axis.values[int(i)] for axis, i in zip(self.axes, chosen, strict=True)}
+
+    def settings(self, number: int) -> list[str]:
+        """What makes the base case into case `number`, as `--set` takes it."""
+        return [f"{key}={value}" for key, value in self.point(number).items()]
+
+    def case(self, base: Case, number: int) -> Case:
+        """Case `number`: the base case with the values of this point.
+
+        Raises:
+            CaseError: when these values do not go together.
+        """
+        return _changed(base, self.point(number), ", ".join(self.settings(number)))
+
+    def check(self, case: Case) -> None:
+        """Check every key, and the ends of its range, before anything runs.
+
+        Raises:
+            CaseError: for an unknown key, or a value that it cannot take.
+        """
+        first = {axis.key: axis.values[0] for axis in self.axes}
+        for axis in self.axes:
+            ends = (min(axis.values), max(axis.values)) if axis.numeric else dict.fromkeys(axis.values)
+            for value in ends:
+                _changed(case, {**first, axis.key: value}, "--vary")
+
+
+def design(case: Case, vary: Mapping[str, Any], sample: str | None = None, seed: int = 0) -> Design:
+    """The design that varies some keys of a case.
+
+    Args:
+        vary: for each key `"a:b:n"` or `"a:b:n:log"`, n values from a to b; `"v1,v2,..."` or a list, these values;
+            with `sample` `"a:b"` or `"a:b:log"`, a range. Keys that hold whole numbers get whole numbers.
+        sample: `"sobol:N"` (scrambled, N a power of two) or `"lhs:N"`, a Latin hypercube; the full grid if None.
+        seed: of the sample.
+
+    Raises:
+        DesignError: for a range or a list that cannot be, or too many cases.
+        CaseError: for an unknown key, or a value that it cannot take.
+    """
+    if not vary:
+        raise DesignError("nothing varies: give --vary KEY=a:b:n at least once")
+    document = case.to_dict()
+    specs = {key: Spread.read(key, spec, document) for key, spec in vary.items()}
+    if sample is None:
+        axes = tuple(Axis(key, spec.values()) for key, spec in specs.items())
+    else:
+        unit = _unit_points(sample, len(specs), seed)
+        axes = tuple(Axis(key, spec.at(column)) for (key, spec), column in zip(specs.items(), unit.T, strict=True))
+    made = Design(axes, grid=sample is None)
+    if made.size > MOST_CASES:
+        raise DesignError(f"--vary: {made.size:,} cases; at most {MOST_CASES:,} in one design")
+    made.check(case)
+    return made
+
+
+def read_vary(options: Sequence[str]) -> dict[str, str]:
+    """`KEY=SPEC` options as a dictionary.
+
+    Raises:
+        DesignError: for an option without a key or a value, or a key given twice.
+    """
+    vary: dict[str, str] = {}
+    for option in options:
+        key, equals, spec = (part.strip() for part in option.partition("="))
+        if not equals or not key or not spec:
+            raise DesignError(f"--vary {option}: write KEY=a:b:n, KEY=a:b:n:log or KEY=v1,v2,...")
+        if key in vary:
+            raise DesignError(f"--vary {option}: {key} varies already; give all of its values at once")
+        vary[key] = spec
+    return vary
+
+
+@dataclass(frozen=True)
+class Spread:
+    """What `--vary` says of one key: a list of values, or a range, over which `at` spreads the unit interval."""
+
+    label: str
+    listed: tuple[Value, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    count: int = 0
+    log: bool = False
+    whole: bool = False
+
+    @classmethod
+    def read(cls, key: str, spec: Any, document: Mapping[str, Any]) -> "Spread":
+        """Read the specification of a key; `document` is the base case as nested dictionaries.
+
+        Raises:
+            DesignError: when it cannot be.
+        """
+        label = f"--vary {key}={spec}" if isinstance(spec, str) else f"vary {key}"
+        held = _held(document, key)
+        whole = isinstance(held, int) and not isinstance(held, bool)
+        if isinstance(spec, str) and ":" in spec and not spec.startswith(("[", '"', "{")):
+            return cls._range(label, spec.split(":"), whole)
+        if isinstance(spec, str):
+            values = _listed(label, spec)
+        else:
+            values = tuple(_plain(label, value) for value in (spec if np.iterable(spec) else [spec]))
+        if not values:
+            raise DesignError(f"{label}: no values; give v1,v2,... or a:b:n")
+        if any(isinstance(value, str) for value in values):
+            values = tuple(str(value) for value in values)
+        elif isinstance(held, float) or any(isinstance(value, float) for value in values):
+            values = tuple(float(value) for value in values)
+        if len(set(values)) < len(values):
+            raise DesignError(f"{label}: a value is there twice")
+        return cls(label, listed=values)
+
+    @classmethod
+    def _range(cls, label: str, parts: list[str], whole: bool) -> "Spread":
+        log = parts[-1].strip() == "log"
+        numbers = parts[: len(parts) - log]
+        try:
+            low, high, *rest = (float(part) for part in numbers)
+            count = int(numbers[2]) if rest else 0
+        except ValueError:
+            raise DesignError(f"{label}: write a:b:n or a:b:n:log with plain numbers, n whole") from None
+        if len(rest) > 1 or not (math.isfinite(low) and math.isfinite(high)):
+            raise DesignError(f"{label}: write a:b:n or a:b:n:log with finite numbers")
+        if low == high:
+            raise DesignError(f"{label}: an empty range; give two different ends, or the value alone")
+        if rest and count < 2:
+            raise DesignError(f"{label}: {count} values; a range has at least 2")
+        if count > MOST_CASES:
+            raise DesignError(f"{label}: {count:,} values; at most {MOST_CASES:,} cases in one design")
+        if log and min(low, high) <= 0:
+            raise DesignError(f"{label}: a log range has both ends above zero")
+        return cls(label, low=low, high=high, count=count, log=log, whole=whole)
+
+    def values(self) -> tuple[Value, ...]:
+        """The values along a grid."""
+        if self.listed:
+            return self.listed
+        if not self.count:
+            raise DesignError(f"{self.label}: how many values? Write a:b:n, or add --sample sobol:256")
+        space = np.geomspace if self.log else np.linspace
+        values = self._typed(space(self.low, self.high, self.count))
+        if len(set(values)) < len(values):
+            raise DesignError(f"{self.label}: more values than there are whole numbers in the range")
+        return values
+
+    def at_edge(self, value: Value) -> bool:
+        """Whether a value is as good as at an end of the range; a list has none."""
+        if self.listed:
+            return False
+        scale = math.log if self.log else float
+        low, here, high = (scale(float(one)) for one in (self.low, value, self.high))
+        return min(abs(here - low), abs(high - here)) <= EDGE * abs(high - low)
+
+    def at(self, unit: np.ndarray) -> tuple[Value, ...]:
+        """The values at points of the unit interval, shape (points,)."""
+        if self.listed:
+            return tuple(self.listed[min(int(u * len(self.listed)), len(self.listed) - 1)] for u in unit)
+        if self.count:
+            raise DesignError(f"{self.label}: give the range alone here, a:b or a:b:log")
+        if self.log:
+            return self._typed(self.low * (self.high / self.low) ** unit)
+        return self._typed(self.low + (self.high - self.low) * unit)
+
+    def _typed(self, values: np.ndarray) -> tuple[Value, ...]:
+        return tuple(int(v) for v in np.rint(values)) if self.whole else tuple(float(v) for v in values)
+
+
+def _unit_points(sample: str, dimensions: int, seed: int) -> np.ndarray:
+    """Points in the unit cube, shape (points, dimensions)."""
+    from scipy.stats import qmc  # noqa: PLC0415 - half a second that a grid does without
+
+    kind, _, text = sample.partition(":")
+    count = int(text) if text.isdecimal() else 0
+    if kind not in ("sobol", "lhs") or count < 1:
+        raise DesignError(f"--sample {sample}: write sobol:N or lhs:N, for example sobol:256")
+    if count > MOST_CASES:
+        raise DesignError(f"--sample {sample}: at most {MOST_CASES:,} cases in one design")
+    if kind == "lhs":
+        return qmc.LatinHypercube(dimensions, seed=seed).random(count)
+    power = count.bit_length() - 1
+    if count != 2**power:
+        near = f"{2**power} or {2 ** (power + 1)}"
+        raise DesignError(f"--sample {sample}: Sobol points come in powers of two; take {near}")
+    return qmc.Sobol(dimensions, seed=seed).random_base2(power)
+
+
+def _changed(base: Case, point: Mapping[str, Value], source: str) -> Case:
+    return base.changed({key: read_value(v) if isinstance(v, str) else v for key, v in point.items()}, source)
+
+
+def _held(document: Mapping[str, Any], key: str) -> Any:
+    """What the base case has under a dotted key, or None."""
+    value: Any = document
+    for name in key.split("."):
+        value = value.get(name) if isinstance(value, Mapping) else None
+    return value
+
+
+def _listed(label: str, text: str) -> tuple[Value, ...]:
+    try:
+        values: list[Any] = tomllib.loads(f"values = [{text}]")["values"]
+    except tomllib.TOMLDecodeError:
+        try:
+            values = [read_value(part.strip()) for part in text.split(",")]
+        except ValueError as error:
+            raise DesignError(f"{label}: {error}") from None
+    return tuple(_plain(label, value) for value in values)
+
+
+def _plain(label: str, value: Any) -> Value:
+    """A number as it is; anything else as text that `--set` reads back to the same."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool | str | list | tuple):
+        return json.dumps(value) if not isinstance(value, str) or not _bare(value) else value
+    if not isinstance(value, int | float) or not math.isfinite(value):
+        raise DesignError(f"{label}: {value!r} is not a number, true, false, text or a list")
+    return value
+
+
+def _bare(text: str) -> bool:
+    try:
+        return bool(read_value(text) == text)
+    except ValueError:
+        return False

@@ -1,0 +1,274 @@
+"""The map file: what came of every case of a design, in HDF5 that xarray and netCDF4 open as they are.
+
+Numbers are flushed before the status that vouches for them, and both after every batch: a crash at any moment costs no
+more than the batch that was running.
+"""
+
+import contextlib
+import os
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ..case.case import Case, CaseError
+from ..errors import UserError
+from ..extras import extra
+from ..results import hdf, integrity
+from ..results.integrity import DAMAGE
+from ..results.reader import first_line
+from ..results.variables import VARIABLES, Variable
+from . import layout
+from .design import Axis, Design
+from .layout import FRAME, SAMPLE
+from .outcome import COMPLETE, FAILED, TO_DO, Outcome
+
+ATTRIBUTES = (
+    "Conventions", "title", "source", "history", "taichiflap_map", "case", "keys", "grid", "metrics", "series",
+    "state", "coordinates",
+)  # fmt: skip
+"""What a map says about itself."""
+
+
+class MapError(UserError):
+    """A map file that cannot be read or written: one sentence with the path and the cause."""
+
+
+class Map:
+    """A map, open: `numbers` name cases of its design in C order.
+
+    Attributes:
+        case: the base case.
+        design: which cases the map is of.
+        metrics: names of the metrics.
+        keeps_series: whether it holds time series too.
+        title: what it is.
+        version: of the taichiflap that began it.
+    """
+
+    def __init__(self, file: Any, path: Path | None) -> None:
+        self.file, self.path = file, path
+        try:
+            self.case = layout.read_case(file, str(path))
+        except CaseError as error:
+            raise MapError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
+        self.design = layout.read_design(file)
+        self.metrics = integrity.attribute(file, "metrics").split()
+        self.keeps_series = bool(integrity.attribute(file, "series"))
+        self.title = str(integrity.attribute(file, "title"))
+        self.version = str(integrity.attribute(file, "source")).rpartition(" ")[2]
+
+    def __enter__(self) -> "Map":
+        return self
+
+    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; a map in memory is lost."""
+        self.file.close()
+
+    @property
+    def status(self) -> np.ndarray:
+        """`TO_DO`, `COMPLETE` or `FAILED` for every case, flat."""
+        return self.file["status"][...].ravel()
+
+    @property
+    def pending(self) -> np.ndarray:
+        """Numbers of the cases that have yet to run."""
+        return np.flatnonzero(self.status == TO_DO)
+
+    def values(self, metric: str) -> np.ndarray:
+        """A metric over the map, shape `design.shape`; not-a-number where it has none."""
+        return self.file[metric][...]
+
+    def units(self, name: str) -> str:
+        """Unit of a metric or of a key."""
+        return str(self._words(name).get("units", ""))
+
+    def outcomes(self, numbers: Sequence[int]) -> list[Outcome | None]:
+        """For each of some cases its metrics, or why it has none; None if it has yet to run."""
+        status = self.status
+        columns = {name: self.values(name).ravel() for name in self.metrics}
+        found: list[Outcome | None] = []
+        for number in numbers:
+            if status[number] == FAILED:
+                place = np.unravel_index(number, self.design.shape)
+                found.append(Outcome(reason=self._reason(place)))
+            elif status[number] == COMPLETE:
+                found.append(Outcome({name: float(column[number]) for name, column in columns.items()}))
+            else:
+                found.append(None)
+        return found
+
+    def _reason(self, place: tuple[Any, ...]) -> str:
+        try:
+            return integrity.plain(self.file["reason"][place])
+        except DAMAGE:
+            raise MapError(f"{self.path}: damaged: the reason of a failed case cannot be read") from None
+
+    def record(self, numbers: Sequence[int], outcomes: Sequence[Outcome]) -> None:
+        """Store what came of some cases, and flush it to the disk.
+
+        Raises:
+            MapError: when the disk refuses; the cases before are safe.
+        """
+        places = np.stack(np.unravel_index(np.asarray(numbers), self.design.shape), axis=1)
+        statuses = [FAILED if outcome.reason else COMPLETE for outcome in outcomes]
+        try:
+            for name in self.metrics:
+                values = [outcome.metrics.get(name, np.nan) for outcome in outcomes]
+                layout.scatter(self.file[name], places, values)
+            for place, outcome in zip(map(tuple, places), outcomes, strict=True):
+                if outcome.reason:
+                    self.file["reason"][place] = outcome.reason.encode()[: hdf.REASON_BYTES]
+                for name, series in outcome.series.items():
+                    kept = layout.series_of(self.file, self.design, name, len(series))
+                    kept[(*place, slice(len(series)))] = series
+            self.file.flush()
+            layout.scatter(self.file["status"], places, statuses)
+            self.file.flush()
+        except OSError as error:
+            raise MapError(f"{self.path}: cannot be written: {first_line(error)}") from None
+
+    def extend(self, axes: Sequence[Axis]) -> range:
+        """Add cases to the end of a sample; returns their numbers."""
+        first = self.design.size
+        last = first + len(axes[0].values)
+        for name in (SAMPLE, "status", "reason", *self.metrics):
+            self.file[name].resize(last, axis=0)
+        self.file[SAMPLE][first:] = np.arange(first, last)
+        for axis in axes:
+            self.file[axis.key].resize(last, axis=0)
+            self.file[axis.key][first:] = axis.values
+        self.design = layout.read_design(self.file)
+        return range(first, last)
+
+    def finish(self) -> None:
+        """Mark the map as complete."""
+        hdf.rewrite(self.file, "state", "complete")
+        self.file.flush()
+
+    def to_xarray(self) -> Any:
+        """The map as an `xarray.Dataset` in memory, with named coordinates and units.
+
+        Raises:
+            MapError: when xarray is not installed.
+        """
+        xarray = extra("xarray", "xarray", "an xarray.Dataset needs xarray", MapError)
+        axes = layout.dimensions(self.design)
+        coordinates = {
+            axis.key: ((axis.key,) if self.design.grid else axes, np.array(axis.values), self._words(axis.key))
+            for axis in self.design.axes
+        }
+        if not self.design.grid:
+            coordinates[SAMPLE] = ((SAMPLE,), *self._described(SAMPLE))
+        kept = [name for name in ("time", *VARIABLES) if name in self.file and name not in self.metrics]
+        variables = {name: (axes, *self._described(name)) for name in (*self.metrics, "status", "reason")} | {
+            name: ((*axes, FRAME), *self._described(name)) for name in kept
+        }
+        return xarray.Dataset(variables, coordinates, integrity.attributes(self.file, ATTRIBUTES))
+
+    def _described(self, name: str) -> tuple[np.ndarray, dict[str, Any]]:
+        dataset = self.file[name]
+        values = dataset.asstr(errors="replace")[...] if dataset.dtype.kind == "S" else dataset[...]
+        flags = {"flag_values": layout.FLAGS} if name == "status" else {}
+        return values, self._words(name) | flags
+
+    def _words(self, name: str) -> dict[str, Any]:
+        return integrity.attributes(self.file[name], ("units", "long_name", "symbol", "comment", "flag_meanings"))
+
+
+def create(
+    path: Path | None,
+    case: Case,
+    design: Design,
+    metrics: Mapping[str, Variable],
+    *,
+    series: bool = False,
+    title: str = "",
+) -> Map:
+    """A new map with all cases to do; in memory if `path` is None. An existing file is replaced.
+
+    It gets its name when it is laid out, so that a crash leaves a map or none.
+
+    Raises:
+        MapError: when the file cannot be created.
+    """
+    if path is None:
+        file = hdf.create(f"map in memory {time.monotonic_ns()}", driver="core", backing_store=False)
+        layout.lay_out(file, case, design, metrics, series, title or case.title)
+        return Map(file, path)
+    _check_place(path)
+    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        file = hdf.create(draft)
+        layout.lay_out(file, case, design, metrics, series, title or case.title)
+        os.replace(draft, path)
+    except OSError as error:
+        raise MapError(f"{path}: cannot be created: {first_line(error)}") from None
+    finally:
+        draft.unlink(missing_ok=True)
+    return Map(file, path)
+
+
+def open_map(path: str | Path, *, write: bool = False) -> Map:
+    """Open a map file, complete or not; with `write` to add what is missing.
+
+    Raises:
+        MapError: when it is missing, damaged, of another kind, of a newer version, or being written by another.
+    """
+    path = Path(path)
+    try:
+        file = h5py.File(path, "r+", libver=hdf.VERSION) if write else h5py.File(path, "r", locking=False)
+    except FileNotFoundError:
+        raise MapError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise MapError(f"{path}: is a directory") from None
+    except BlockingIOError:
+        raise MapError(f"{path}: another study is writing it") from None
+    except OSError as error:
+        raise MapError(f"{path}: not a readable map: {first_line(error)}") from None
+    try:
+        if "taichiflap_map" not in file.attrs:
+            raise MapError(f"{path}: an HDF5 file, but not a map of taichiflap")
+        version = integrity.attribute(file, "taichiflap_map")
+        if version > layout.FORMAT:
+            raise MapError(f"{path}: written by a newer taichiflap (format {version}, this one reads {layout.FORMAT})")
+        layout.check(file)
+        opened = Map(file, path)
+    except MapError:
+        file.close()
+        raise
+    except DAMAGE as error:
+        file.close()
+        raise MapError(f"{path}: damaged: {error}") from None
+    return opened
+
+
+def is_map(path: Path) -> bool:
+    """Whether a file is a map, and not a result."""
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return "taichiflap_map" in file.attrs
+    except DAMAGE:
+        return False
+
+
+def _check_place(path: Path) -> None:
+    """Refuse a folder, and a map that another study is writing: what is to be replaced need not be a map."""
+    if path.is_dir():
+        raise MapError(f"{path}: is a directory; name a file, for example {path / 'map.h5'}")
+    if not path.parent.is_dir():
+        raise MapError(f"{path}: cannot be created: {path.parent} is not a folder")
+    try:
+        with contextlib.suppress(FileNotFoundError), h5py.File(path, "r+"):
+            pass
+    except BlockingIOError:
+        raise MapError(f"{path}: another study is writing it") from None
+    except OSError:
+        return

@@ -1,0 +1,61 @@
+"""What a map's keys and metrics are called in pictures, and the units that they are drawn in."""
+
+import numpy as np
+
+from .design import Axis
+from .file import Map
+
+METRICS = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
+"""Metrics that are drawn, where a map has them."""
+LIFT, POWER = "force_vertical_mean", "power_mean"
+SCALES = {
+    "N": (1e3, "mN"),
+    "W": (1e3, "mW"),
+    "m": (1e3, "mm"),
+    "N W-1": (1.0, "N/W"),
+    "Pa": (1e-9, "GPa"),
+    "1": (1.0, ""),
+}
+"""What a unit is drawn in: factor and name."""
+LABELS = {
+    "force_vertical_mean": "Mean vertical force",
+    "power_mean": "Mean power",
+    "lift_per_power": "Lift per power",
+    "tip_peak_mean": "Peak tip deflection",
+    "wing.youngs_modulus": "Young's modulus",
+    "wing.thickness": "Thickness",
+    "motion.frequency": "Flapping frequency",
+    "motion.plunge.amplitude": "Plunge amplitude",
+    "motion.pitch.amplitude_deg": "Pitch amplitude",
+}
+
+
+def model(sheet: Map) -> str:
+    """The fluid model of all cases of a map; nothing if it varies."""
+    return "" if any(axis.key == "solver" for axis in sheet.design.axes) else sheet.case.model
+
+
+def named(name: str, sheet: Map) -> str:
+    """A key or a metric of a map with its unit, as an axis bears it."""
+    units = sheet.units(name)
+    unit = SCALES.get(units, (1.0, units))[1]
+    return f"{label(name)} ({unit})" if unit else label(name)
+
+
+def factor_of(sheet: Map, name: str) -> float:
+    """From SI to the unit that a key or a metric is drawn in."""
+    return SCALES.get(sheet.units(name), (1.0, ""))[0]
+
+
+def label(name: str) -> str:
+    """A key or a metric in words."""
+    return LABELS.get(name, name if "." in name else name.replace("_", " "))
+
+
+def is_log(axis: Axis) -> bool:
+    """Whether values are better drawn by their logarithm: evenly spaced in it, or over more than a decade."""
+    values = np.sort(np.array(axis.values, dtype=float))
+    if values[0] <= 0:
+        return False
+    steps = np.diff(np.log(values))
+    return values[-1] > 10 * values[0] or bool(len(steps) > 1 and np.ptp(steps) < 1e-6 * steps.max())

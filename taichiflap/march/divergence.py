@@ -1,0 +1,69 @@
+"""Why a case stopped before its end: what ran away, when, from what, and what is likely to help."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..case.case import Case
+from ..motion import sampling
+from ..motion.sampling import PITCH_RATE
+from ..structure.beam import Modes
+from ..structure.chordwise import Profile
+
+RUNAWAY = 10.0
+"""Deflection, in chords, that no mode may reach alone: a linear beam bends by a fraction of one."""
+
+
+def limits(section: Modes) -> NDArray[np.float64]:
+    """Amplitude of every mode at which a case stops: the one that moves some point by `RUNAWAY` chords."""
+    shape = section.shape(np.linspace(0.0, section.chord, 65))
+    return RUNAWAY * section.chord / np.abs(shape).max(axis=1, initial=0.0)
+
+
+def reason(case: Case, section: Modes, step: int, now: NDArray[np.float64], before: NDArray[np.float64]) -> str:
+    """One sentence on a case that stopped.
+
+    Args:
+        step: the step at which it stopped.
+        now, before: modal amplitudes at that step and at the one before, shape (modes,).
+    """
+    when = f"at step {step} (t = {step * case.step:.4g} s, beat {int(step // case.steps_per_beat) + 1})"
+    tip = section.shape([case.wing.chord])[:, 0]
+    if section.count and np.isfinite(now).all() and np.any(np.abs(now) > limits(section)):
+        what = f"the deflection ran away {when}, to {_chords(float(tip @ now), case)}"
+    else:
+        what = f"the forces ceased to be finite {when}"
+    size = f"; one step earlier the trailing edge stood {_chords(float(tip @ before), case)} from the chord"
+    return f"{what}{size if section.count else ''}. Likely to help: {'; '.join(_cures(case, section))}"
+
+
+def _chords(deflection: float, case: Case) -> str:
+    return f"{abs(deflection) / case.wing.chord:.3g} chords"
+
+
+def _cures(case: Case, section: Modes) -> list[str]:
+    """What may help, the likeliest first."""
+    found = []
+    moved = sampling.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
+    pitch_rate = float(np.abs(moved[:, PITCH_RATE]).max())
+    if section.count and pitch_rate > section.omega[0]:
+        stiffer = "a larger wing.youngs_modulus or wing.thickness"
+        found.append(f"{stiffer} (the wing pitches at up to {pitch_rate:.3g} rad/s, faster than its first mode)")
+    if section.count and case.step * section.omega[-1] > 1.0:
+        found.append("fewer wing.modes (the highest moves by more than a radian in a step)")
+    mass_ratio = _mass_ratio(case, section)
+    if section.count and mass_ratio > 1.0:
+        heavier = "a smaller fluid.density or a larger wing.density"
+        found.append(f"{heavier} (the fluid that moves with the wing weighs {mass_ratio:.3g} times the wing)")
+    if case.solver == "uvlm" and not case.uvlm.core:
+        found.append("a uvlm.core such as 0.02 (a vortex may have come too close to the wing)")
+    if case.time.periods is None:
+        return [*found, f"a time.step smaller than {case.step:.3g} s"]
+    return [*found, f"more time.steps_per_period than {case.steps_per_beat:g}"]
+
+
+def _mass_ratio(case: Case, section: Modes) -> float:
+    """Added mass of a flat plate over the wing's own."""
+    area = case.wing.chord * Profile.of(case.wing.span).mean
+    return math.pi * case.fluid.density * case.wing.chord * area / (4.0 * section.mass)

@@ -1,0 +1,130 @@
+"""From what a march tracks to the series and fields that a result holds: positions, inertial forces, power."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..case.case import Case
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
+from ..structure.beam import Modes
+from .state import ACCEL, AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
+
+Array = NDArray[np.float64]
+
+
+def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Any]:
+    """Variables of the result file for some frames of a case.
+
+    Args:
+        nodes: positions of the nodes along the chord, from the pivot, m.
+        motion: as a march samples it, at every step, shape (steps + 1, 8).
+        frames: what `March.advance` returned for the case.
+    """
+    state = frames["q"]
+    series = over_time(case, section, motion, frames)
+    cosine, sine = (motion[frames["step"], column, None] for column in (COSINE, SINE))
+    deflection = _superpose(section.shape(nodes), state[:, AMPLITUDE])
+    along, across = cosine * nodes - sine * deflection, sine * nodes + cosine * deflection
+    fields = {
+        "q": state[:, AMPLITUDE],
+        "q_rate": state[:, RATE],
+        "q_acceleration": state[:, ACCEL],
+        "node_position": np.stack((along, series["plunge"][:, None] + across), axis=2),
+    }
+    return series | fields | {name: values for name, values in frames.items() if name not in ("step", "q", "force")}
+
+
+def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Array]:
+    """The variables that have one value a frame; arguments as of `derive`."""
+    state = frames["q"]
+    moved = np.ascontiguousarray(motion[frames["step"]].T)
+    cosine, sine = moved[COSINE], moved[SINE]
+    force = np.ascontiguousarray(frames["force"].T)
+    normal, axial, moment = force[NORMAL], force[AXIAL], force[MOMENT]
+    force_y = axial * cosine - normal * sine
+    vertical_normal = normal * sine
+    force_z = axial * sine + normal * cosine
+    aerodynamic = -(force_z * moved[PLUNGE_RATE] + moment * moved[PITCH_RATE])
+    inertial = inertial_power(section, moved.T, state)
+    return {
+        "time": case.step * frames["step"],
+        "plunge": moved[PLUNGE],
+        "pitch": moved[PITCH],
+        "tip_deflection": _weighted(section.shape([case.wing.chord])[:, 0], state[:, AMPLITUDE].T),
+        "force_normal": normal,
+        "force_axial": axial,
+        "force_normal_unsteady": force[UNSTEADY],
+        "force_y": force_y,
+        "force_z": force_z,
+        "force_vertical": -force_y,
+        "force_vertical_normal": vertical_normal,
+        "moment": moment,
+        "power": aerodynamic + inertial,
+        "power_aerodynamic": aerodynamic,
+        "power_inertial": inertial,
+    }
+
+
+def inertial_power(section: Modes, motion: Array, state: Array) -> Array:
+    """Power (W) that the actuator spends on the wing's own mass, at the pivot.
+
+    The generalised inertia forces of plunge and pitch are Lagrange's, from the kinetic energy of the paper's
+    Appendix A (whose T6 lacks its factor thetadot), times the plunge and pitch rates.
+
+    Args:
+        motion: as a march samples it, shape (frames, 8).
+        state: modal state, shape (frames, 3, modes).
+    """
+    _, rate, accel, _, theta_rate, theta_accel, cosine, sine = motion.T
+    q, q_rate, q_accel = np.ascontiguousarray(state.transpose(1, 2, 0))
+    lifted, lifted_rate, lifted_accel = (_weighted(section.lam, row) for row in (q, q_rate, q_accel))
+    along = section.mass * accel + section.first_moment * (theta_accel * cosine - theta_rate**2 * sine)
+    along += cosine * lifted_accel - 2.0 * theta_rate * sine * lifted_rate
+    along -= (theta_accel * sine + theta_rate**2 * cosine) * lifted
+    around = (section.second_moment + _summed(q * q)) * theta_accel + 2.0 * theta_rate * _summed(q * q_rate)
+    around += accel * (section.first_moment * cosine - sine * lifted) + _weighted(section.psi, q_accel)
+    return along * rate + around * theta_rate
+
+
+def mechanical_energy(section: Modes, motion: Array, state: Array) -> Array:
+    """Kinetic plus elastic energy (J) of the wing: Eqs 9-10 with the paper's Appendix A.
+
+    Args:
+        motion: as a march samples it, shape (frames, 8).
+        state: modal state, shape (frames, 3, modes).
+    """
+    _, rate, _, _, theta_rate, _, cosine, sine = motion.T
+    q, q_rate = state[:, AMPLITUDE].T, state[:, RATE].T
+    kinetic = 0.5 * (section.mass * rate**2 + section.second_moment * theta_rate**2 + _summed(q_rate * q_rate))
+    kinetic += 0.5 * theta_rate**2 * _summed(q * q)
+    kinetic += section.first_moment * rate * theta_rate * cosine
+    kinetic += rate * (cosine * _weighted(section.lam, q_rate) - theta_rate * sine * _weighted(section.lam, q))
+    kinetic += theta_rate * _weighted(section.psi, q_rate)
+    return kinetic + 0.5 * _weighted(section.omega**2, q * q)
+
+
+def _weighted(weights: Array, modes: Array) -> Array:
+    """`sum_k weights_k modes_k`, added in order: a matrix product would round by the number of frames.
+
+    Args:
+        modes: a value of each mode in each frame, shape (modes, frames).
+    """
+    if not len(modes):
+        return np.zeros(modes.shape[1])
+    total = weights[0] * modes[0]
+    for weight, values in zip(weights[1:], modes[1:], strict=True):
+        total += weight * values
+    return total
+
+
+def _summed(modes: Array) -> Array:
+    return _weighted(np.ones(len(modes)), modes)
+
+
+def _superpose(shape: Array, q: Array) -> Array:
+    """`sum_k phi_k(y) q_k`, shape (frames, points), added in order."""
+    total = np.zeros((len(q), shape.shape[1]))
+    for k, phi in enumerate(shape):
+        total += q[:, k, None] * phi
+    return total

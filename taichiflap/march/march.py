@@ -1,0 +1,318 @@
+"""Time integration of modes and fluid, strongly coupled, for a batch of cases.
+
+Modal equation (Reade & Jankauski 2020, Eq. 11, with the damping that Table 1 gives):
+
+    qdd_k + 2 zeta_k w_k qd_k + (w_k^2 - thd^2) q_k = -lambda_k Zdd cos(th) - psi_k thdd + Q_k
+
+Every time derivative, of the modes and of the fluid alike, is the second-order backward difference (BDF2): the
+added mass that a fluid feels is then exactly the one that the modes feel, whatever the mass ratio. For a given
+geometry the modal force is linear in the modal acceleration, `Q = load + response qdd`, so that each step is
+one small linear solve, without iteration. The geometry is that of a second-order extrapolation.
+
+A fluid model is a module, of this package or from elsewhere (see `taichiflap.fluids`), that has
+
+- `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames, whose arrays
+  have names of `taichiflap.results.variables`, `pressure_jump` among them;
+- `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`;
+- `nodes(case)`; `vortices(case)`, how many its frames hold in all;
+- `work(case, step)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
+- `prepare(batch, b, n, rule)`: fills `body.load` and `body.response`, which come zeroed;
+- `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
+- `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding;
+- if it likes, `uses(cases)`: what some case of a batch needs, hashable, the last argument of `prepare` and `settle`, so
+  that by `ti.static` the kernel holds nothing else;
+- if it likes, `ahead(cases, groups, threads)`, of its groups and `body`: what is called with every step n from
+  `ahead.first` on, to do beforehand on all threads what one case's thread would be long at.
+"""
+
+import functools
+from collections.abc import Mapping, Sequence
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from ..case.case import Case
+from ..kernels import linear
+from ..kernels.runtime import LANE, Floats3, Floats4, Ints1, View, start, tasks, ti, view
+from ..motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from ..structure import beam
+from . import divergence
+from . import state as bodies
+from .state import ACCEL, AMPLITUDE, BETA, C0, C1, C2, COSINE, DAMPING, LAMBDA, LIMIT, PSI, RATE, STIFFNESS, Body
+
+Track = ti.types.argpack(q=Floats4, modal_force=Floats3, force=Floats3)
+"""What every case leaves a frame: (case, frame, 3, mode), (case, frame, mode) and (case, frame, 4)."""
+
+
+FIRST, LAST, OPENING, CASES, LANES = range(5)
+"""Entries of a launch: the first step and the one after the last, the first step of the frames' block, and how many
+cases are dealt out among how many lanes. In an array, since Taichi counts 64 arguments with all arrays in them."""
+
+
+@ti.func
+def differencing(n, dt):
+    """Backward differences of order 0, 1 and then 2: a case starts from rest with nothing behind it."""
+    rule = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if n == 1:
+        rule = ti.Vector([1.0 / dt, -1.0 / dt, 0.0, dt])
+    elif n > 1:
+        rule = ti.Vector([1.5 / dt, -2.0 / dt, 0.5 / dt, dt / 1.5])
+    return rule
+
+
+@ti.func
+def predict(body: View, b, n, rule):
+    """What the next amplitudes and rates are without acceleration, and what they will be to second order."""
+    dt = body.dt[b]
+    for k in range(body.modes[b]):
+        body.load[b, k] = 0.0
+        for j in range(body.modes[b]):
+            body.response[b, j, k] = 0.0
+        if n == 0:
+            for row in range(2):
+                body.q_known[b, row, k] = body.q[b, row, k]
+                body.q_guess[b, row, k] = body.q[b, row, k]
+        else:
+            accel = body.q[b, ACCEL, k]
+            rate = body.q[b, RATE, k]
+            body.q_guess[b, AMPLITUDE, k] = body.q[b, AMPLITUDE, k] + dt * (rate + 0.5 * dt * accel)
+            body.q_guess[b, RATE, k] = rate + dt * accel
+            for row in range(2):
+                now = body.q[b, row, k]
+                body.q_known[b, row, k] = -(rule[C1] * now + rule[C2] * body.q_before[b, row, k]) / rule[C0]
+                body.q_before[b, row, k] = now
+
+
+@ti.func
+def accelerate(body: View, b, n, rule):
+    """Solve the modal equation for the acceleration and update amplitudes and rates with it."""
+    modes = body.modes[b]
+    beta = rule[BETA]
+    heave = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    theta_accel = body.motion[b, n, PITCH_ACCEL]
+    for j in range(modes):
+        stiffness = body.constant[b, STIFFNESS, j] - theta_rate * theta_rate
+        damping = body.constant[b, DAMPING, j]
+        known = body.q_known[b, RATE, j]
+        for k in range(modes):
+            body.system[b, j, k] = -body.response[b, j, k]
+        body.system[b, j, j] = body.system[b, j, j] + 1.0 + beta * (damping + beta * stiffness)
+        body.system[b, j, modes] = (
+            body.load[b, j]
+            - body.constant[b, LAMBDA, j] * heave
+            - body.constant[b, PSI, j] * theta_accel
+            - damping * known
+            - stiffness * (body.q_known[b, AMPLITUDE, j] + beta * known)
+        )
+    linear.solve_few(body.system, b, modes)
+    for k in range(modes):
+        accel = body.system[b, k, modes]
+        rate = body.q_known[b, RATE, k] + beta * accel
+        body.q[b, ACCEL, k] = accel
+        body.q[b, RATE, k] = rate
+        body.q[b, AMPLITUDE, k] = body.q_known[b, AMPLITUDE, k] + beta * rate
+
+
+@ti.func
+def has_diverged(body: View, b):
+    """Whether a value is no longer finite, or a mode larger than any beam bends."""
+    total = 0.0
+    runaway = False
+    for k in range(body.modes[b]):
+        total += body.q[b, ACCEL, k]
+        runaway = runaway or ti.abs(body.q[b, AMPLITUDE, k]) > body.constant[b, LIMIT, k]
+    for c in range(4):
+        total += body.force[b, c]
+    return runaway or ti.math.isnan(total) or ti.math.isinf(total)
+
+
+@ti.func
+def track_frame(body: View, track: View, b, frame):
+    modes = body.modes[b]
+    for j in range(modes):
+        force = body.load[b, j]
+        for k in range(modes):
+            force += body.response[b, j, k] * body.q[b, ACCEL, k]
+        for row in range(3):
+            track.q[b, frame, row, j] = body.q[b, row, j]
+        track.modal_force[b, frame, j] = force
+    for c in range(4):
+        track.force[b, frame, c] = body.force[b, c]
+
+
+@functools.cache
+def kernel(fluid: ModuleType, film: bool = True, used: Any = None) -> Any:
+    """The kernel that marches a batch with a fluid model: many steps of many cases in one launch.
+
+    Args:
+        used: what the model's `uses` said of the batch; it goes to `prepare` and `settle`.
+    """
+
+    groups = {name: group for name, group in fluid.GROUPS.items() if film or name != "film"}
+    Batch = ti.types.argpack(body=Body, track=Track, **groups)
+    needs = () if used is None else (used,)
+
+    @ti.func
+    def march_case(batch: View, b, first, last, opening):
+        every = batch.body.every[b]
+        for n in range(first, ti.min(last, batch.body.steps[b] + 1)):
+            if batch.body.failed[b] < 0:
+                rule = differencing(n, batch.body.dt[b])
+                predict(batch.body, b, n, rule)
+                fluid.prepare(batch, b, n, rule, *needs)
+                accelerate(batch.body, b, n, rule)
+                fluid.settle(batch, b, n, rule, *needs)
+                if has_diverged(batch.body, b):
+                    batch.body.failed[b] = n
+                if n % every == 0:
+                    frame = n // every - (opening + every - 1) // every
+                    track_frame(batch.body, batch.track, b, frame)
+                    if ti.static(film):
+                        fluid.record(batch, b, frame)
+
+    @ti.kernel
+    def march(batch: Batch, launch: Ints1):  # type: ignore[valid-type]
+        for i in range(launch[LANES] * LANE):
+            if i % LANE == 0:
+                for m in range((launch[CASES] - i // LANE + launch[LANES] - 1) // launch[LANES]):
+                    march_case(batch, i // LANE + m * launch[LANES], launch[FIRST], launch[LAST], launch[OPENING])
+
+    return Batch, march
+
+
+class March:
+    """A batch of cases with one fluid model, marched together.
+
+    Args:
+        cases: cases that share their solver; everything else may differ.
+        fluid: the module of the fluid model.
+        threads: how many threads may work at once; all of them if None. It does not change any result.
+        film: keep the fields of the fluid model too; without them frames are few bytes, for studies of many cases.
+    """
+
+    def __init__(self, cases: Sequence[Case], fluid: ModuleType, threads: int | None = None, film: bool = True) -> None:
+        start()
+        self.cases = list(cases)
+        self.fluid = fluid
+        self.sections = [beam.modes(case.wing) for case in self.cases]
+        self.motion = bodies.sample_motions(self.cases)
+        self.body = bodies.allocate(self.cases, self.sections, self.motion)
+        self.groups = {"body": self.body, **fluid.allocate(self.cases, self.sections)}
+        self.steps = max(case.steps for case in self.cases)
+        self.next_step = 0
+        self._filming = film
+        ahead = getattr(fluid, "ahead", None)
+        self._ahead = ahead(self.cases, self.groups, threads) if ahead else None
+        self._lanes = tasks(len(self.cases), threads)
+        self._room = 0
+
+    @property
+    def done(self) -> bool:
+        """Whether every case has reached its last step."""
+        return self.next_step > self.steps
+
+    def advance(self, steps: int) -> list[dict[str, np.ndarray]]:
+        """March every case by `steps` steps and return its frames on the way.
+
+        The first step is step 0, the state at t = 0. A case that has reached its end, or has failed, rests.
+        Zero steps compile the kernels, or fetch them from Taichi's cache.
+
+        Returns:
+            For each case its frames: `step`, `q` (amplitude, rate and acceleration of every mode),
+            `modal_force`, `force`, and the film of the fluid model, each with the frame as leading axis.
+        """
+        first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
+        self._make_room(max(1, *(len(self._frames(case, first, last)) for case in self.cases)))
+        self._march(first, last)
+        self.next_step = last
+        return self._collect(first, last)
+
+    def state(self, b: int) -> dict[str, np.ndarray]:
+        """What a case's coming steps depend on, arrays with a case axis of one, until the next `advance`."""
+        return {
+            f"{group}.{name}": view(values)[b : b + 1]
+            for group, arrays in self.groups.items()
+            for name, values in arrays.items
+            if name not in bodies.GIVEN
+        }
+
+    def restore(self, states: Sequence[Mapping[str, np.ndarray]], next_step: int) -> None:
+        """Go on from the states, one a case, that a march had before `next_step`, in this or in another batch.
+
+        Raises:
+            ValueError: when a state is not one of such a case.
+        """
+        for b, state in enumerate(states):
+            ours = self.state(b)
+            if ours.keys() != state.keys() or any(ours[name].ndim != state[name].ndim for name in ours):
+                raise ValueError("not a state of this model")
+            for name, values in ours.items():
+                # Batches differ in how much they pad.
+                shared = tuple(map(slice, np.minimum(values.shape, state[name].shape)))
+                values[shared] = state[name][shared]
+        self.next_step = next_step
+
+    def _march(self, first: int, last: int) -> None:
+        """Many steps in one launch, but for those before which a fluid model puts all threads to one case."""
+        alone = max(first, min(last, self._ahead.first)) if self._ahead else last
+        self._launch(first, alone, first)
+        for n in range(alone, last):
+            if self._ahead:
+                self._ahead(n)
+            self._launch(n, n + 1, first)
+
+    def _launch(self, first: int, last: int, opening: int) -> None:
+        self._kernel(self._batch, np.array([first, last, opening, len(self.cases), self._lanes], dtype=np.int32))
+
+    def failures(self) -> np.ndarray:
+        """The step at which each case diverged, or -1."""
+        return view(self.body.failed).copy()
+
+    def reason(self, b: int) -> str:
+        """Why a case stopped before its end; nothing if it did not."""
+        step, count = int(self.failures()[b]), self.sections[b].count
+        if step < 0:
+            return ""
+        # The step that failed has moved its predecessor to `q_before`.
+        now, before = (view(state)[b, AMPLITUDE, :count] for state in (self.body.q, self.body.q_before))
+        return divergence.reason(self.cases[b], self.sections[b], step, now, before)
+
+    def _frames(self, case: Case, first: int, last: int) -> np.ndarray:
+        every = case.output.every
+        return np.arange(-(-first // every) * every, min(last, case.steps + 1), every)
+
+    def _make_room(self, frames: int) -> None:
+        if frames <= self._room:
+            return
+        self._room = frames
+        count, _, most = self.body.q.shape
+        self._track = Track(
+            q=ti.ndarray(ti.f64, (count, frames, 3, most)),
+            modal_force=ti.ndarray(ti.f64, (count, frames, most)),
+            force=ti.ndarray(ti.f64, (count, frames, 4)),
+        )
+        film = {"film": self.fluid.film(self.cases, frames)} if self._filming else {}
+        self._stored = [self._track, *film.values()]
+        uses = getattr(self.fluid, "uses", None)
+        group, self._kernel = kernel(self.fluid, self._filming, uses(self.cases) if uses else None)
+        self._batch = group(track=self._track, **film, **self.groups)
+
+    def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
+        fields = {name: view(values) for group in self._stored for name, values in group.items}
+        failed = self.failures()
+        collected = []
+        for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):
+            step = self._frames(case, first, last)
+            if failed[b] >= 0:
+                step = step[step < failed[b]]
+            frames = {name: values[b, : len(step)] for name, values in fields.items()}
+            frames["q"] = frames["q"][..., : section.count]
+            frames["modal_force"] = frames["modal_force"][:, : section.count]
+            if self._filming:
+                frames = self.fluid.trim(frames, case)
+            # Trimming may have copied already what it joined.
+            own = {name: values if values.base is None else values.copy() for name, values in frames.items()}
+            collected.append({"step": step} | own)
+        return collected

@@ -1,0 +1,146 @@
+"""The moving elastic section of every case of a batch: its arrays, and where its points are and how they move.
+
+Reade & Jankauski (2020), Eqs 1-8. Chordwise axis `e_y = (cos theta, sin theta)` and normal axis
+`e_z = (-sin theta, cos theta)` in (Y, Z); a point sits at `(0, Z) + y e_y + W e_z` with `W = sum_k phi_k q_k`.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..case.case import Case
+from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Octet, View, ti, view
+from ..motion import sampling
+from ..motion.sampling import PITCH, PITCH_ACCEL, PLUNGE_RATE
+from ..structure import beam
+from . import divergence
+
+NORMAL, AXIAL, MOMENT, UNSTEADY = range(4)
+"""Columns of `force`: along e_z, along e_y (N), about the pivot (N m), and the share of the normal force
+that comes from acceleration (DBET: added mass; UVLM: d(Gamma)/dt)."""
+
+C0, C1, C2, BETA = range(4)
+"""Entries of a differencing rule: `x' = C0 x + C1 x_before + C2 x_before_that`, and `BETA = dx / dx'`."""
+
+AMPLITUDE, RATE, ACCEL = range(3)
+"""Rows of a modal state, shape (case, row, mode)."""
+
+STIFFNESS, DAMPING, LAMBDA, PSI, LIMIT = range(5)
+"""Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k, and where a case stops."""
+
+COSINE, SINE = PITCH_ACCEL + 1, PITCH_ACCEL + 2
+"""Columns that a march adds to the sampled motion: of the pitch angle."""
+
+Body = ti.types.argpack(
+    modes=Ints1,
+    steps=Ints1,  # steps that the case asks for
+    every=Ints1,  # steps between frames
+    failed=Ints1,  # step at which the case stopped, see taichiflap.march.divergence; -1 while all is well
+    dt=Floats1,
+    motion=Floats3,  # (case, step, 8), see taichiflap.motion; and cos theta, sin theta
+    constant=Floats3,
+    q=Floats3,  # modal state now ...
+    q_before=Floats3,  # ... and one step earlier
+    q_known=Floats3,  # what the coming step's amplitude and rate are with no acceleration
+    q_guess=Floats3,  # where they are expected to be, to second order
+    load=Floats2,  # modal force Q_j with no modal acceleration
+    response=Floats3,  # d Q_j / d qdd_k
+    force=Floats2,
+    system=Floats3,
+)
+
+GIVEN = ("motion",)
+"""What the case alone determines, at every step: no part of a march's state."""
+
+
+def sample_motions(cases: Sequence[Case]) -> np.ndarray:
+    """The motion of every case at all its steps, shape (cases, steps + 1, 8): see `COSINE`."""
+    sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, 8))
+    known: dict[Any, np.ndarray] = {}
+    for row, case in zip(sampled, cases, strict=True):
+        moving, moves = row[: case.steps + 1], case.motion
+        for axis, columns in ((moves.plunge, moving[:, :PITCH]), (moves.pitch, moving[:, PITCH:])):
+            how = axis, moves.frequency, moves.growth, case.steps, case.step
+            if how in known:  # the cases of a study often have one of them in common
+                columns[:] = known[how]
+                continue
+            times = case.step * np.arange(case.steps + 1, dtype=np.float64)
+            columns[:, :3] = sampling.sample_axis(axis, moves.frequency, moves.growth, times)
+            known[how] = columns
+            if axis is moves.pitch:
+                moving[:, COSINE], moving[:, SINE] = np.cos(moving[:, PITCH]), np.sin(moving[:, PITCH])
+    return sampled
+
+
+def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.ndarray) -> Any:
+    """Arrays of a batch, at rest."""
+    count = len(cases)
+    most = most_modes(sections)
+    constant = np.zeros((count, 5, most))
+    for b, section in enumerate(sections):
+        damping = 2.0 * section.damping_ratio * section.omega
+        stop = divergence.limits(section)
+        constant[b, :, : section.count] = section.omega**2, damping, section.lam, section.psi, stop
+    return Body(
+        modes=array([section.count for section in sections]),
+        steps=array([case.steps for case in cases]),
+        every=array([case.output.every for case in cases]),
+        failed=array([-1] * count),
+        dt=array([case.step for case in cases], float),
+        motion=array(motions),
+        constant=array(constant),
+        q=zeros(ti.f64, count, 3, most),
+        q_before=zeros(ti.f64, count, 2, most),
+        q_known=zeros(ti.f64, count, 2, most),
+        q_guess=zeros(ti.f64, count, 2, most),
+        load=zeros(ti.f64, count, most),
+        response=zeros(ti.f64, count, most, most),
+        force=zeros(ti.f64, count, 4),
+        system=zeros(ti.f64, count, most, most + 1),
+    )
+
+
+def most_modes(sections: Sequence[beam.Modes]) -> int:
+    """Room for modes that a batch needs: never none, so that no array is empty."""
+    return max(1, *(section.count for section in sections))
+
+
+def array(values: Any, dtype: type | None = None) -> Any:
+    """A Taichi array of doubles or 32-bit integers that holds `values`."""
+    values = np.asarray(values, dtype=dtype)
+    made = ti.ndarray(ti.f64 if values.dtype.kind == "f" else ti.i32, values.shape)
+    view(made)[...] = values
+    return made
+
+
+def octet_array(values: np.ndarray) -> Any:
+    """A Taichi array of octets that holds `values`, whose last axis is a multiple of eight."""
+    made = ti.ndarray(Octet, (*values.shape[:-1], values.shape[-1] // 8))
+    view(made)[...] = values.reshape(*made.shape, 8)
+    return made
+
+
+def zeros(dtype: Any, *shape: int) -> Any:
+    """A Taichi array of zeros."""
+    made = ti.ndarray(dtype, shape)
+    view(made)[...] = 0
+    return made
+
+
+@ti.func
+def superpose(shape: View, state: View, b, row, point, count):
+    """`sum_k phi_k(point) q_k` of a row of a modal state: deflection W (Eq. 8), its rate or acceleration."""
+    total = 0.0
+    for k in range(count):
+        total += shape[b, k, point] * state[b, row, k]
+    return total
+
+
+@ti.func
+def pivot_velocity(body: View, stream: View, b, n):
+    """Velocity of the pivot relative to the free stream, along e_y and e_z (Eq. 6 with y = W = 0)."""
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    along = body.motion[b, n, PLUNGE_RATE] - stream[b, 1]
+    return along * sine - stream[b, 0] * cosine, along * cosine + stream[b, 0] * sine

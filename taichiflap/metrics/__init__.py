@@ -1,0 +1,17 @@
+"""Figures of a result: means, peaks, harmonics, and what a study compares."""
+
+from ..doors import lazy
+
+__getattr__ = lazy(
+    __name__,
+    {
+        "Statistic": "summary",
+        "Summary": "summary",
+        "after_reversal": "summary",
+        "harmonic": "summary",
+        "harmonics": "summary",
+        "in_stream": "summary",
+        "reversals": "summary",
+        "summarise": "summary",
+    },
+)

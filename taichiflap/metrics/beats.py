@@ -1,0 +1,88 @@
+"""The beats of a run: the frames of each, means and peaks over each, and which of them the start no longer disturbs."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..case.case import Case
+from ..results.reader import Result
+
+BLUR = 1e-6
+"""Differences between beats below this share of the force's root mean square are none."""
+SAME_TIME = 5e-10
+"""Two times that are closer, in beats, are one."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Beats:
+    """Some successive beats of a run, each with at least one frame; none if there are fewer than two edges.
+
+    Attributes:
+        edges: the first frame of each beat, and the first one after the last beat.
+    """
+
+    edges: NDArray[np.intp]
+
+    def __len__(self) -> int:
+        return max(0, len(self.edges) - 1)
+
+    @property
+    def frames(self) -> slice:
+        """The frames of all of them."""
+        return slice(int(self.edges[0]), int(self.edges[-1]))
+
+    @property
+    def last(self) -> slice:
+        """The frames of the last one."""
+        return slice(int(self.edges[-2]), int(self.edges[-1]))
+
+    def after(self, count: int) -> "Beats":
+        """These beats without the first ones."""
+        return Beats(self.edges[count:])
+
+    def means(self, values: Array) -> Array:
+        """Mean over each beat of values of all frames, along the last axis; shape (..., beats)."""
+        return np.add.reduceat(values[..., : self.edges[-1]], self.edges[:-1], axis=-1) / np.diff(self.edges)
+
+    def peaks(self, values: Array) -> Array:
+        """Largest magnitude in each beat of values of all frames, along the last axis; shape (..., beats)."""
+        return np.maximum.reduceat(np.abs(values[..., : self.edges[-1]]), self.edges[:-1], axis=-1)
+
+    def mean_forces(self, result: Result) -> Array:
+        """Mean force vector of each beat, N, shape (2, beats)."""
+        return self.means(np.stack((result.force_y, result.force_z)))
+
+    def force_size(self, result: Result) -> float:
+        """Root mean square of the force over the later half of these beats, N."""
+        frames = self.after(len(self) // 2).frames
+        return math.sqrt(np.mean(result.force_y[frames] ** 2 + result.force_z[frames] ** 2))
+
+
+def whole_beats(case: Case, time: Array) -> Beats:
+    """The whole beats of a run: the frames of each are those after its start, up to and with its end."""
+    count = int(time[-1] / case.beat + SAME_TIME) if len(time) else 0
+    ends = case.beat * (np.arange(count + 1) + SAME_TIME)
+    return Beats(np.unique(np.searchsorted(time, ends)))
+
+
+def settled_beats(result: Result) -> Beats:
+    """The whole beats left when those that the start disturbs are dropped.
+
+    So many are dropped, up to half, that the standard error of the mean force of the others is least: the marginal
+    standard error rule (White, Simulation 69, 1997), which weighs the bias of the start against the loss of samples.
+    """
+    beats = whole_beats(result.case, result.time)
+    if len(beats) < 2:
+        return beats
+    forces, size = beats.mean_forces(result), beats.force_size(result)
+    most = len(beats) // 2
+    # Sums over what is left, of the difference from the mean of the later half: no digits go to a large common part.
+    apart = (forces - forces[:, most:].mean(axis=1, keepdims=True))[:, ::-1]
+    count = np.arange(1, len(beats) + 1)
+    scatter = np.sum(np.cumsum(apart**2, axis=1) - np.cumsum(apart, axis=1) ** 2 / count, axis=0)
+    errors = ((scatter + count * (BLUR * size) ** 2) / count**2)[::-1]
+    return beats.after(int(np.argmin(errors[: most + 1])))

@@ -1,0 +1,114 @@
+"""The numbers that a study keeps of each case, by name: `metrics.Summary` flattened, and what a map asks beyond it.
+
+A name is a quantity of the summary with `_mean` and `_spread` where it varies from beat to beat: `force_vertical_mean`.
+The words of a name may come in any order: `vertical_force_mean` is the same.
+"""
+
+import cmath
+import difflib
+import math
+import typing
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from ..errors import UserError
+from ..results.variables import VARIABLES, Variable
+from .summary import ORDERS, WAVING, Statistic, Summary, summarise
+
+OF_FILM = ("circulation", "wake_")
+"""How the names of series begin that belong to a fluid's film, which a study does not keep."""
+SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and not name.startswith(OF_FILM))
+"""The time series that a study can keep."""
+RATIOS = {"lift_per_power": "power_mean", "lift_per_positive_power": "power_positive_mean"}
+"""What the cycle mean of the vertical force is divided by."""
+
+
+class QuantityError(UserError):
+    """A metric that does not exist: one sentence with the nearest that do."""
+
+
+def _quantities() -> Iterator[tuple[str, str, str]]:
+    """Name, units and meaning of every metric."""
+    for field, hint in typing.get_type_hints(Summary, include_extras=True).items():
+        units = "".join(getattr(hint, "__metadata__", ()))
+        if units and not field.startswith(OF_FILM):
+            parts = ("_mean", "_spread") if Statistic in _alternatives(hint.__origin__) else ("",)
+            yield from ((f"{field}{part}", units, f"{field}{part}".replace("_", " ")) for part in parts)
+    for name in WAVING:
+        for n in range(1, ORDERS + 1):
+            wave = f"{name}_harmonic_{n}"
+            yield wave, VARIABLES[name].units, wave.replace("_", " ")
+            yield f"{wave}_phase", "degree", f"{wave}_phase".replace("_", " ")
+    for name, power in RATIOS.items():
+        spent = power.removesuffix("_mean").replace("_", " ")
+        yield name, "N W-1", f"cycle mean of the vertical force over that of the {spent}"
+
+
+def _alternatives(hint: Any) -> tuple[Any, ...]:
+    return typing.get_args(hint) or (hint,)
+
+
+QUANTITIES = {name: Variable((), units, text) for name, units, text in _quantities()}
+"""Every metric of a case, by name."""
+
+
+def choose(names: Sequence[str]) -> list[str]:
+    """The metrics that some names mean; all of them if none are given.
+
+    Raises:
+        QuantityError: for a name that is no metric.
+    """
+    return list(dict.fromkeys(resolve(name) for name in names)) or list(QUANTITIES)
+
+
+def resolve(name: str) -> str:
+    """The metric that a name means, its words in any order.
+
+    Raises:
+        QuantityError: when there is none.
+    """
+    if name in QUANTITIES:
+        return name
+    words = sorted(name.split("_"))
+    for known in QUANTITIES:
+        if sorted(known.split("_")) == words:
+            return known
+    near = difflib.get_close_matches(name, [*QUANTITIES, *map(_spoken, QUANTITIES)], 1, 0.5)
+    hint = f"did you mean {resolve(near[0])}?" if near else f"there are {', '.join(QUANTITIES)}"
+    raise QuantityError(f"metric {name}: unknown; {hint}")
+
+
+def _spoken(name: str) -> str:
+    """`force_vertical_mean` as it is said: `vertical_force_mean`."""
+    first, _, rest = name.partition("_")
+    second, _, rest = rest.partition("_")
+    return "_".join(filter(None, (second, first, rest)))
+
+
+def measure(run: Any, names: Sequence[str]) -> dict[str, float]:
+    """Metrics of a run: not-a-number where it has none, such as a phase of a wing at rest.
+
+    Args:
+        run: anything with the attributes of a result that `summarise` reads.
+        names: metrics, as `choose` gives them.
+    """
+    summary = summarise(run)
+    values = _flattened(summary) if summary else {}
+    return {name: values.get(name, math.nan) for name in names}
+
+
+def _flattened(summary: Summary) -> dict[str, float]:
+    values: dict[str, float] = {}
+    for name, value in vars(summary).items():
+        if isinstance(value, Statistic):
+            values[f"{name}_mean"], values[f"{name}_spread"] = value.mean, value.spread
+        elif isinstance(value, int | float):
+            values[name] = float(value)
+    for name, waves in summary.harmonics.items():
+        for n, wave in enumerate(waves, 1):
+            values[f"{name}_harmonic_{n}"] = abs(wave)
+            values[f"{name}_harmonic_{n}_phase"] = math.degrees(cmath.phase(wave))
+    for name, power in RATIOS.items():
+        if values[power]:
+            values[name] = values["force_vertical_mean"] / values[power]
+    return values

@@ -1,0 +1,255 @@
+"""What a run amounts to: means over its settled beats and their spread, harmonics and phase, peaks, power."""
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..case.case import Case
+from ..case.motion import Travel
+from ..motion import sampling
+from ..results.reader import Result
+from .beats import Beats, settled_beats
+
+REPEATS_WITHIN = 0.01
+"""A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
+FEWEST_BEATS = 3
+"""Settled beats that it takes to say so."""
+MOMENTS = 512
+"""Times a beat at which the motion is looked at."""
+RESOLVED = 1e-12
+"""Two times (beats) that are closer are one."""
+MEANS = (
+    "force_vertical", "force_vertical_normal", "force_normal", "force_axial", "force_y", "force_z", "moment",
+    "tip_deflection", "power", "power_aerodynamic", "power_inertial",
+)  # fmt: skip
+"""Variables of which a summary has the mean over each beat."""
+WAVING, ORDERS = ("force_normal", "force_vertical", "tip_deflection"), 3
+"""Variables of which it has so many harmonics."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Statistic:
+    """A quantity over the settled beats: the mean of its beat values and their standard deviation."""
+
+    mean: float
+    spread: float
+
+    @classmethod
+    def each(cls, values: Array) -> list["Statistic"]:
+        """Statistics of several quantities, each with one value a beat: shape (quantities, beats)."""
+        count = values.shape[1]
+        means = values.sum(axis=1) / count
+        spreads = np.sqrt(((values - means[:, None]) ** 2).sum(axis=1) / count)
+        return [cls(*pair) for pair in zip(means.tolist(), spreads.tolist(), strict=True)]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Settled behaviour of a run. Each quantity is annotated with its units; times are fractions of the period.
+
+    Of a motion that has no frequency the whole run counts as one beat.
+
+    Attributes:
+        beats: number of beats that the statistics are over, the last of the run: its settled beats.
+        settled: whether these beats repeat: neither does their mean force drift, nor does it spread, by more than
+            1 % of the force's root mean square. None where nothing repeats.
+        force_drift: change of the mean force across these beats, by a straight line through them, as a share of the
+            force's root mean square.
+        force_spread: standard deviation of the mean force of these beats, as such a share.
+        force_vertical, force_vertical_normal: mean vertical force, full vector and e_z component alone.
+        force_normal, force_axial, force_y, force_z, moment, tip_deflection: means of these variables.
+        lift, thrust: mean force across a free stream, a quarter turn counter-clockwise from it (along Z for one along
+            Y), and against it; None without a stream.
+        force_normal_peak: largest magnitude of the normal force.
+        force_normal_phase: phase advance of its first harmonic over that of the plunge (of the pitch, if the
+            wing does not plunge), degrees in (-180, 180]; None if the wing does neither.
+        tip_peak: largest magnitude of the tip deflection.
+        tip_peak_time: when, as t/T within the beat.
+        tip_peak_after_reversal: when, after the last stroke reversal; None if the wing does not plunge.
+        power, power_aerodynamic, power_inertial: mean mechanical power of the actuator and its parts.
+        power_positive: mean of the power where it is positive: what an actuator that stores nothing spends.
+        wake_lost: mean velocity at the wing of the wake that was dropped or absorbed (`wake_lost` of the result), over
+            the wing's root mean square speed: about what the forces err by. None for a model without a wake.
+        wake_far_error: largest error found in a wake vortex's velocity by multipoles, m/s; None where every pair is
+            summed.
+        wake_crossings: how often a wake vortex came upon the wing, in the whole run; None without a wake.
+        harmonics: complex amplitudes of the first harmonics of some variables, see `harmonics`; empty where nothing
+            repeats.
+    """
+
+    beats: Annotated[int, "1"]
+    settled: Annotated[bool | None, "1"]
+    force_drift: Annotated[float, "1"]
+    force_spread: Annotated[float, "1"]
+    force_vertical: Annotated[Statistic, "N"]
+    force_vertical_normal: Annotated[Statistic, "N"]
+    force_normal: Annotated[Statistic, "N"]
+    force_axial: Annotated[Statistic, "N"]
+    force_y: Annotated[Statistic, "N"]
+    force_z: Annotated[Statistic, "N"]
+    lift: Annotated[Statistic | None, "N"]
+    thrust: Annotated[Statistic | None, "N"]
+    force_normal_peak: Annotated[Statistic, "N"]
+    force_normal_phase: Annotated[float | None, "degree"]
+    moment: Annotated[Statistic, "N m"]
+    tip_deflection: Annotated[Statistic, "m"]
+    tip_peak: Annotated[Statistic, "m"]
+    tip_peak_time: Annotated[float, "1"]
+    tip_peak_after_reversal: Annotated[float | None, "1"]
+    power: Annotated[Statistic, "W"]
+    power_aerodynamic: Annotated[Statistic, "W"]
+    power_inertial: Annotated[Statistic, "W"]
+    power_positive: Annotated[Statistic, "W"]
+    wake_lost: Annotated[float | None, "1"]
+    wake_far_error: Annotated[float | None, "m s-1"]
+    wake_crossings: Annotated[int | None, "1"]
+    harmonics: dict[str, list[complex]]
+
+
+def in_stream(case: Case, force_y: Array, force_z: Array) -> tuple[Array, Array]:
+    """Lift and thrust of a force (N): across the free stream, a quarter turn counter-clockwise from it, and against."""
+    speed = math.hypot(*case.fluid.velocity)
+    stream_y, stream_z = (component / speed for component in case.fluid.velocity)
+    return force_z * stream_y - force_y * stream_z, -(force_y * stream_y + force_z * stream_z)
+
+
+def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
+    """Summary of a run; None while it has no whole beat.
+
+    Args:
+        beats: what to take it over; its settled beats, if None.
+    """
+    case = result.case
+    time = result.time
+    beats = settled_beats(result) if beats is None else beats
+    if not beats:
+        return None
+    series = {name: getattr(result, name) for name in MEANS}
+    tip, normal = series["tip_deflection"], series["force_normal"]
+    of_beats = dict(zip(series, beats.means(np.stack(list(series.values()))), strict=True))
+    of_beats["power_positive"] = beats.means(np.maximum(series["power"], 0.0))
+    if any(case.fluid.velocity):
+        of_beats["lift"], of_beats["thrust"] = in_stream(case, of_beats["force_y"], of_beats["force_z"])
+    of_beats["force_normal_peak"], of_beats["tip_peak"] = beats.peaks(np.stack((normal, tip)))
+    found = dict(zip(of_beats, Statistic.each(np.stack(list(of_beats.values()))), strict=True))
+    lift, thrust = found.pop("lift", None), found.pop("thrust", None)
+    peak_time = float(time[beats.last][np.argmax(np.abs(tip[beats.last]))]) / case.beat
+    drift, spread = _unrest(np.stack((of_beats["force_y"], of_beats["force_z"])), beats.force_size(result))
+    waves = _waves(case, time, series, beats.frames) if case.periodic else {}
+    return Summary(
+        **found,
+        lift=lift,
+        thrust=thrust,
+        beats=len(beats),
+        settled=len(beats) >= FEWEST_BEATS and max(drift, spread) <= REPEATS_WITHIN if case.periodic else None,
+        force_drift=drift,
+        force_spread=spread,
+        force_normal_phase=_phase(case, float(time[beats.frames][-1]), waves["force_normal"][0]) if waves else None,
+        tip_peak_time=_fraction(peak_time) if case.periodic else peak_time,
+        tip_peak_after_reversal=after_reversal(case, peak_time),
+        wake_lost=_wake_lost(result, beats.frames) if "wake_lost" in result.variables else None,
+        wake_far_error=float(result.wake_far_error[-1]) if "wake_far_error" in result.variables else None,
+        wake_crossings=int(result.wake_crossings[-1]) if "wake_crossings" in result.variables else None,
+        harmonics=waves,
+    )
+
+
+def _wake_lost(result: Result, frames: slice) -> float:
+    """Velocity that the wake left out, over the speed of the middle of the chord through the fluid."""
+    stream_y, stream_z = result.case.fluid.velocity
+    plunge_rate, pitch_rate = (np.gradient(values, result.time)[frames] for values in (result.plunge, result.pitch))
+    turning = 0.5 * result.case.wing.chord * pitch_rate
+    speed = math.sqrt(float(np.mean((plunge_rate - stream_z) ** 2 + stream_y**2 + turning**2)))
+    lost = float(np.mean(result.wake_lost[frames]))
+    return lost / speed if speed else 0.0
+
+
+def _unrest(forces: Array, size: float) -> tuple[float, float]:
+    """Drift and spread of the mean forces of beats, as shares of `size`."""
+    count = forces.shape[1]
+    if count < 2 or not size:
+        return 0.0, 0.0
+    place = np.arange(count) - 0.5 * (count - 1)
+    slope = (forces * place).sum(axis=1) / (place**2).sum()
+    spread = math.sqrt(np.sum(np.var(forces, axis=1)))
+    return float(np.hypot(*slope)) * (count - 1) / size, spread / size
+
+
+def harmonics(case: Case, time: Array, values: Array, count: int) -> NDArray[np.complex128]:
+    """Complex amplitudes `a_n`, n = 1 ... count, over whole beats: `values` holds `Re(a_n exp(2 pi i n f t))`.
+
+    Args:
+        values: at `time`, along the last axis.
+
+    Returns:
+        Shape (count, ...), as the other axes of `values`.
+    """
+    angle = 2.0 * math.pi / case.beat * time
+    turn = np.cos(angle) - 1j * np.sin(angle)
+    powers = np.empty((count, len(time)), np.complex128)
+    powers[0] = turn
+    for n in range(1, count):
+        np.multiply(powers[n - 1], turn, out=powers[n])
+    # Real and imaginary part apart: einsum's sums of real numbers are several times faster, and need no BLAS,
+    # whose rounding goes by the number of its threads.
+    parts = (np.einsum("...t,nt->n...", values, part) for part in (powers.real.copy(), powers.imag.copy()))
+    return (next(parts) + 1j * next(parts)) * (2.0 / len(time))
+
+
+def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
+    """Complex amplitude of one harmonic of a series; see `harmonics`."""
+    return complex(harmonics(case, time, values, order)[-1])
+
+
+def reversals(case: Case, first: float, last: float) -> Array:
+    """Times (beats) of stroke reversal, where the plunge velocity changes sign, from `first` to `last`."""
+    step = case.beat / MOMENTS if case.periodic else case.step
+    return sampling.reversals(case.motion, first * case.beat, last * case.beat, step) / case.beat
+
+
+def after_reversal(case: Case, beats: float) -> float | None:
+    """Time (beats) from the last stroke reversal to a time (beats); None if there was none within a beat."""
+    # Of whole beats: the cases of a study have them in common.
+    whole = math.floor(beats) if case.periodic else 0
+    found = reversals(case, max(whole - 1, 0), whole + 1)
+    before = found[(found > beats - 1.0 - RESOLVED) & (found < beats + RESOLVED)]
+    return max(0.0, beats - float(before[-1])) if len(before) else None
+
+
+def _waves(case: Case, time: Array, series: dict[str, Array], frames: slice) -> dict[str, list[complex]]:
+    found = harmonics(case, time[frames], np.stack([series[name][frames] for name in WAVING]), ORDERS)
+    return dict(zip(WAVING, found.T.tolist(), strict=True))
+
+
+def _phase(case: Case, last: float, force: complex) -> float | None:
+    """Degrees by which a first harmonic, up to the time `last` (s), leads that of what drives the wing."""
+    driver = _driver(case, round(last / case.beat))
+    return None if driver is None else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
+
+
+def _driver(case: Case, count: int) -> complex | None:
+    """First harmonic of the plunge (of the pitch, if there is none) in the last of `count` beats."""
+    moves = case.motion
+    firsts = (_swing(axis, moves.frequency, moves.growth, case.beat, count) for axis in (moves.plunge, moves.pitch))
+    return next((first for first in firsts if first), None)
+
+
+@functools.lru_cache(maxsize=256)
+def _swing(axis: Travel, frequency: float | None, growth: float, beat: float, count: int) -> complex:
+    """First harmonic of plunge or pitch in the last of `count` beats; zero if it is none but for round-off."""
+    turns = count - np.arange(MOMENTS) / MOMENTS
+    moved = sampling.sample_axis(axis, frequency, growth, beat * turns)[:, 0]
+    first = complex(2.0 * np.mean(moved * np.exp(-2j * math.pi * turns)))
+    return first if abs(first) > sampling.NOISE * np.abs(moved).max() else 0j
+
+
+def _fraction(value: float) -> float:
+    """`value` modulo 1, with round-off below 1 taken as zero."""
+    rest = value % 1.0
+    return 0.0 if math.isclose(rest, 1.0) else rest

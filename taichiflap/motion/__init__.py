@@ -1,0 +1,13 @@
+"""Prescribed motion: plunge and pitch with their exact time derivatives."""
+
+from ..doors import lazy
+
+__getattr__ = lazy(
+    __name__,
+    {
+        "reversals": "sampling",
+        "sample": "sampling",
+        "sample_axis": "sampling",
+        "typical_speed": "sampling",
+    },
+)

@@ -1,0 +1,117 @@
+"""Prescribed motion of the pivot: plunge Z and pitch theta, with exact first and second derivatives.
+
+Table 2 of Reade & Jankauski (2020) and other kinds. A motion is sampled once, at all steps of a case, before the march.
+"""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..case.motion import Motion, Travel
+from . import waveforms
+
+PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL = range(6)
+"""Columns of a sampled motion."""
+
+NOISE = 1e-9
+"""Plunge velocities below this share of the largest are round-off, not motion."""
+ROUND_OFF = 1e-14
+"""A reversal is found when it moves by no more than this share of its time."""
+ROUNDS = 60
+
+Array = NDArray[np.float64]
+
+
+def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
+    """Motion at `times` (s).
+
+    Returns:
+        Shape (times, 6): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2.
+    """
+    return np.hstack(
+        [sample_axis(axis, motion.frequency, motion.growth, times) for axis in (motion.plunge, motion.pitch)]
+    )
+
+
+def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
+    """Times (s) of stroke reversal from `first` to `last`: where the plunge velocity changes sign, or rests on the way.
+
+    Args:
+        step: s; two reversals within a step may be missed.
+    """
+    return _reversals(motion.plunge, motion.frequency, motion.growth, first, last, step)
+
+
+@functools.lru_cache(maxsize=256)
+def _reversals(plunge: Travel, frequency: float | None, growth: float, first: float, last: float, step: float) -> Array:
+    """See `reversals`; the cases of a study mostly plunge alike."""
+    # Half a step off, so that a reversal at a time of the grid lies between two of them.
+    count = math.ceil((last - first) / step) + 2
+    times = first + step * (np.arange(count) - 0.5)
+    rate = sample_axis(plunge, frequency, growth, times)[:, PLUNGE_RATE]
+    moving = np.flatnonzero(np.abs(rate) > NOISE * np.abs(rate).max())
+    times, forth = times[moving], rate[moving] > 0.0
+    turns = np.flatnonzero(forth[1:] != forth[:-1])
+    found = _turns(
+        functools.partial(sample_axis, plunge, frequency, growth), times[turns], times[turns + 1], forth[turns]
+    )
+    found = found[(found > first - NOISE * step) & (found < last + NOISE * step)]
+    found.setflags(write=False)
+    return found
+
+
+def _turns(plunge: Callable[[Array], Array], early: Any, late: Any, forth: NDArray[np.bool_]) -> Any:
+    """The zero of the plunge velocity between each `early` and `late`; `forth`: it is positive before.
+
+    Newton's steps on the exact acceleration, with a halving wherever one leaves the bracket or is not half the last.
+    """
+    times, moved = 0.5 * (early + late), late - early
+    resolved = ROUND_OFF * np.maximum(np.abs(late), moved)
+    for _ in range(ROUNDS):
+        _, rate, accel = plunge(times).T
+        before = np.where(forth, rate, -rate) > 0.0
+        early, late = np.where(before, times, early), np.where(before, late, times)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = times - rate / accel
+        trusted = (newton >= early) & (newton <= late) & (2.0 * np.abs(newton - times) <= moved)
+        found = np.where(trusted, newton, 0.5 * (early + late))
+        times, moved = found, np.maximum(np.abs(found - times), resolved)
+        if np.all(moved <= resolved):
+            break
+    return times
+
+
+def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> float:
+    """Root mean square over `times` of the speed (m/s) of a rigid wing's trailing edge relative to the stream.
+
+    Args:
+        behind: distance of the trailing edge behind the pivot, m.
+    """
+    moved = sample(motion, times)
+    turning = behind * moved[:, PITCH_RATE]
+    along_y = -turning * np.sin(moved[:, PITCH]) - stream[0]
+    along_z = moved[:, PLUNGE_RATE] + turning * np.cos(moved[:, PITCH]) - stream[1]
+    return math.sqrt(np.mean(along_y**2 + along_z**2))
+
+
+def sample_axis(axis: Travel, frequency: float | None, growth: float, times: NDArray[np.floating]) -> Array:
+    """Plunge or pitch at `times` (s) with its derivatives, shape (times, 3).
+
+    Args:
+        frequency: of what repeats, Hz.
+        growth: duration of the start-up, s.
+    """
+    followed = _follow(axis, frequency, times)
+    return waveforms.product(waveforms.start_up(times, growth), followed) if growth else followed
+
+
+def _follow(axis: Travel, frequency: float | None, times: NDArray[np.floating]) -> Array:
+    formula: Callable[..., Array] = getattr(waveforms, axis.kind)
+    arguments = axis.in_si()
+    if axis.repeats:
+        arguments["frequency"] = frequency
+    return formula(times, **arguments)

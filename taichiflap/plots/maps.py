@@ -1,0 +1,263 @@
+"""Figures of maps: heat maps with contours, families of lines, Pareto fronts, and the path of a convergence study."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+
+from .. import files
+from ..drawing import palette
+from ..maps.design import Axis
+from ..maps.file import Map, MapError
+from ..maps.labels import LIFT, METRICS, POWER, factor_of, is_log, label, model, named
+from ..metrics.pareto import pareto_front
+from ..notation import short
+from .result import FORMATS, RESOLUTION, STYLE, WIDTH
+
+if TYPE_CHECKING:
+    from ..studies.converge import Convergence
+
+CONTOURS = 8
+LINES_AT_MOST = 7
+MARKS = ("o", "^", "s", "D", "v", "P")
+
+
+def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False) -> list[Path]:
+    """Write the figures that suit a map, as PNG and SVG: `STEM-map` or `STEM-lines`, and `STEM-pareto`.
+
+    Args:
+        stem: how the files' names begin, or a folder to put them in; the map's own name, here, if None.
+
+    Raises:
+        MapError: when the map has no metric to draw.
+        OutputError: when a file exists already or cannot be written.
+    """
+    own = sheet.path.stem if sheet.path else "map"
+    stem = Path(own) if stem is None else stem / own if stem.is_dir() else stem
+    metrics = [name for name in METRICS if name in sheet.metrics] or sheet.metrics[:4]
+    numeric = [axis for axis in sheet.design.axes if axis.numeric and len(set(axis.values)) > 1]
+    if not metrics or not numeric:
+        raise MapError(f"{sheet.path}: no numeric key varies, or no metric was kept: nothing to draw")
+    figures: dict[str, Figure] = {}
+    with mpl.rc_context(STYLE):
+        if sheet.design.grid and len(numeric) >= 2:
+            figures["map"] = heat_maps(sheet, metrics)
+        elif sheet.design.grid:
+            figures["lines"] = lines(sheet, metrics)
+        else:
+            figures["scatter"] = scatter(sheet, metrics)
+        if LIFT in sheet.metrics and POWER in sheet.metrics:
+            figures["pareto"] = pareto(sheet)
+        heading = ", ".join(filter(None, (sheet.title, model(sheet))))
+        for figure in figures.values():
+            figure.suptitle(heading, fontsize=8, x=0.01, ha="left")
+    return _write(figures, stem, overwrite)
+
+
+def convergence(found: "Convergence", stem: Path) -> list[Path]:
+    """Write `STEM.png` and `STEM.svg`: every metric against every key, as its deviation from the finest value."""
+    keys = list(dict.fromkeys(trial.key for trial in found.trials))
+    with mpl.rc_context(STYLE):
+        figure = Figure((WIDTH, 2.6), layout="constrained")
+        axes = figure.subplots(1, len(keys), sharey=True, squeeze=False)[0]
+        for ax, key in zip(axes, keys, strict=True):
+            trials = [trial for trial in found.trials if trial.key == key]
+            values = [trial.value for trial in trials]
+            names = list(trials[0].metrics)
+            for colour, mark, name in zip(_colours(len(names)), MARKS * len(names), names, strict=False):
+                series = np.array([trial.metrics[name] for trial in trials])
+                deviation = 100.0 * (series / (series[-1] or 1.0) - 1.0)
+                ax.plot(values, deviation, mark + "-", color=colour, markersize=3.5, linewidth=1, label=label(name))
+            if key != "wing.modes":
+                ax.set_xscale("log", base=2)
+            ax.set_xticks(values, [str(value) for value in values], rotation=45 if len(values) > 4 else 0)
+            ax.minorticks_off()
+            share = 100.0 * found.tolerance
+            ax.axhspan(-share, share, color=palette.LIGHT.faint, zorder=0, label=f"within {share:g} %")
+            taken = found.accepted[key]
+            ax.axvline(taken, color=palette.LIGHT.force, linewidth=0.8, linestyle="--", label="fine enough")
+            ax.set_xlabel(key)
+        axes[0].set_ylabel("Deviation from the finest (%)")
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(names) + 2)
+    return _write({"": figure}, stem, overwrite=True)
+
+
+def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
+    """One column of heat maps with contours for each value of a third key, one row a metric.
+
+    The first two numeric keys span the maps; what else varies is named over its column.
+    """
+    down, across = [i for i, axis in enumerate(sheet.design.axes) if axis.numeric][:2]
+    y, x = sheet.design.axes[down], sheet.design.axes[across]
+    columns = _columns(sheet, {down, across})
+    figure = Figure((WIDTH, 0.4 + 1.9 * len(metrics)), layout="constrained")
+    grid = figure.subplots(len(metrics), len(columns), sharex=True, sharey=True, squeeze=False)
+    for row, name in zip(grid, metrics, strict=True):
+        factor = factor_of(sheet, name)
+        fields = [factor * _slice(sheet.values(name), place, down, across) for _, place in columns]
+        finite = np.concatenate([field[np.isfinite(field)] for field in fields])
+        low, high = (finite.min(), finite.max()) if finite.size else (0.0, 1.0)
+        for ax, field, (title, _) in zip(row, fields, columns, strict=True):
+            mesh = ax.pcolormesh(*_edges(x, y, sheet), field, cmap="viridis", vmin=low, vmax=high, rasterized=True)
+            if low < high and np.isfinite(field).any():
+                levels = MaxNLocator(CONTOURS).tick_values(low, high)
+                drawn = ax.contour(*_middles(x, y, sheet), field, levels, colors="white", linewidths=0.5)
+                for text in ax.clabel(drawn, fontsize=6):
+                    # Readable on the bright end of the colours too.
+                    text.set_path_effects([withStroke(linewidth=1.2, foreground="#00000080")])
+            _scale_axes(ax, x, y)
+            if ax in grid[0]:
+                ax.set_title(title, fontsize=8)
+            if ax in grid[-1]:
+                ax.set_xlabel(named(x.key, sheet))
+            if ax is row[0]:
+                ax.set_ylabel(named(y.key, sheet))
+        bar = figure.colorbar(mesh, ax=row, pad=0.01, aspect=15)
+        bar.set_label(named(name, sheet))
+    return figure
+
+
+def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
+    """Metrics over the one numeric key, a line for every combination of the others."""
+    along = next(i for i, axis in enumerate(sheet.design.axes) if axis.numeric)
+    axis = sheet.design.axes[along]
+    x, columns = _scaled(axis, sheet), _columns(sheet, {along})
+    figure = Figure((WIDTH, 4.2), layout="constrained")
+    grid = figure.subplots(2, 2, sharex=True).ravel()
+    for ax, name in zip(grid, metrics, strict=False):
+        factor = factor_of(sheet, name)
+        for colour, mark, (title, place) in zip(_colours(len(columns)), MARKS * len(columns), columns, strict=False):
+            values = factor * sheet.values(name)[tuple(slice(None) if i == along else p for i, p in enumerate(place))]
+            ax.plot(x, values, mark + "-", color=colour, markersize=3, linewidth=1, label=title or None)
+        _scale_axes(ax, axis)
+        ax.set_ylabel(named(name, sheet))
+    for ax in grid[2:]:
+        ax.set_xlabel(named(axis.key, sheet))
+    if len(columns) > 1:
+        grid[0].legend()
+    return figure
+
+
+def scatter(sheet: Map, metrics: Sequence[str]) -> Figure:
+    """Metrics of a sample over each numeric key."""
+    keys = [axis for axis in sheet.design.axes if axis.numeric][:4]
+    figure = Figure((WIDTH, 0.4 + 1.6 * len(metrics)), layout="constrained")
+    grid = figure.subplots(len(metrics), len(keys), sharex="col", sharey="row", squeeze=False)
+    for row, name in zip(grid, metrics, strict=True):
+        factor = factor_of(sheet, name)
+        for ax, axis in zip(row, keys, strict=True):
+            ax.plot(_scaled(axis, sheet), factor * sheet.values(name), "o", color=palette.LINES[0], markersize=2)
+            if ax in grid[-1]:
+                ax.set_xlabel(named(axis.key, sheet))
+            _scale_axes(ax, axis)
+        row[0].set_ylabel(named(name, sheet))
+    return figure
+
+
+def pareto(sheet: Map) -> Figure:
+    """Lift against power of every case, and the front: the cases that none beats in both."""
+    figure = Figure((0.55 * WIDTH, 3.0), layout="constrained")
+    ax = figure.subplots()
+    text = [i for i, axis in enumerate(sheet.design.axes) if not axis.numeric]
+    groups = _groups(sheet, text[0]) if text else {"": np.arange(sheet.design.size)}
+    lift, power = 1e3 * sheet.values(LIFT).ravel(), 1e3 * sheet.values(POWER).ravel()
+    for colour, mark, (title, numbers) in zip(_colours(len(groups)), MARKS * len(groups), groups.items(), strict=False):
+        ax.plot(power[numbers], lift[numbers], mark, color=colour, markersize=2, alpha=0.35, markeredgewidth=0)
+        front = numbers[pareto_front(power[numbers], lift[numbers])]
+        ax.plot(
+            power[front],
+            lift[front],
+            mark + "-",
+            color=colour,
+            markersize=3,
+            linewidth=1,
+            label=", ".join(filter(None, ("Pareto front", title))),
+        )
+    ax.set_xlabel("Mean power (mW)")
+    ax.set_ylabel("Mean vertical force (mN)")
+    ax.legend()
+    return figure
+
+
+def _write(figures: dict[str, Figure], stem: Path, overwrite: bool) -> list[Path]:
+    named = {
+        stem.with_name(f"{stem.name}{'-' if name else ''}{name}.{kind}"): (figure, kind)
+        for name, figure in figures.items()
+        for kind in FORMATS
+    }
+    for path in named:
+        files.check(path, overwrite)
+    for path, (figure, kind) in named.items():
+        with files.replacing(path) as file, mpl.rc_context(STYLE):
+            figure.savefig(file, format=kind, dpi=RESOLUTION, metadata={"Date": None} if kind == "svg" else None)
+    return list(named)
+
+
+def _columns(sheet: Map, spanned: set[int]) -> list[tuple[str, tuple[int, ...]]]:
+    """Titles and places of the values of all keys that are not spanned, evenly thinned to what a page holds."""
+    rest = [i for i in range(len(sheet.design.axes)) if i not in spanned]
+    shape = [len(sheet.design.axes[i].values) for i in rest]
+    count = int(np.prod(shape, dtype=int))
+    most = LINES_AT_MOST if len(spanned) == 1 else 3
+    chosen = np.unique(np.rint(np.linspace(0, count - 1, min(count, most))).astype(int))
+    found = []
+    for number in chosen:
+        places = np.unravel_index(number, shape) if rest else ()
+        place = dict(zip(rest, map(int, places), strict=True))
+        named = [(sheet.design.axes[i].key, sheet.design.axes[i].values[p]) for i, p in place.items()]
+        title = ", ".join(f"{key} = {short(value)}" for key, value in named)
+        found.append((title, tuple(place.get(i, 0) for i in range(len(sheet.design.axes)))))
+    return found
+
+
+def _slice(values: np.ndarray, place: tuple[int, ...], down: int, across: int) -> np.ndarray:
+    return values[tuple(slice(None) if i in (down, across) else p for i, p in enumerate(place))]
+
+
+def _groups(sheet: Map, position: int) -> dict[str, np.ndarray]:
+    """Numbers of the cases with each value of a key."""
+    axis = sheet.design.axes[position]
+    numbers = np.arange(sheet.design.size)
+    places = np.unravel_index(numbers, sheet.design.shape)[position if sheet.design.grid else 0]
+    taken = np.array([axis.values[int(place)] for place in places], dtype=object)
+    return {str(value): numbers[taken == value] for value in dict.fromkeys(axis.values)}
+
+
+def _scaled(axis: Axis, sheet: Map) -> np.ndarray:
+    return factor_of(sheet, axis.key) * np.array(axis.values, dtype=float)
+
+
+def _middles(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
+    return _scaled(x, sheet), _scaled(y, sheet)
+
+
+def _edges(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
+    """Borders of the cells around the values, half-way in whichever scale is drawn."""
+    edges = []
+    for axis in (x, y):
+        values = np.log(_scaled(axis, sheet)) if is_log(axis) else _scaled(axis, sheet)
+        middle = 0.5 * (values[1:] + values[:-1])
+        bounds = np.r_[values[0] - (middle[0] - values[0]), middle, values[-1] + (values[-1] - middle[-1])]
+        edges.append(np.exp(bounds) if is_log(axis) else bounds)
+    return edges[0], edges[1]
+
+
+def _scale_axes(ax: Any, x: Axis, y: Axis | None = None) -> None:
+    for axis, scale, drawn in ((x, ax.set_xscale, ax.xaxis), (y, ax.set_yscale, ax.yaxis)):
+        if axis is not None and is_log(axis):
+            scale("log")
+            few = float(max(axis.values)) < 10.0 * float(min(axis.values))
+            drawn.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0) if few else (1.0, 2.0, 5.0)))
+            drawn.set_major_formatter(lambda value, _: f"{value:g}")
+            drawn.set_minor_formatter(NullFormatter())
+
+
+def _colours(count: int) -> list[Any]:
+    if count <= len(palette.LINES):
+        return list(palette.LINES[:count])
+    return list(mpl.colormaps["viridis"](np.linspace(0.0, 0.85, count)))

@@ -1,0 +1,1 @@
+"""Published data and papers, and how the models compare with them."""

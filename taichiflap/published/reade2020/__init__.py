@@ -1,0 +1,1 @@
+"""The founding paper redone: Reade & Jankauski (2020), statement by statement."""

@@ -1,0 +1,153 @@
+"""The paper reproduced: every case that Reade & Jankauski (2020) computed, beside what they print, and beyond it."""
+
+import contextlib
+import os
+from pathlib import Path
+
+from ... import files
+from ..._version import __version__
+from ...structure import beam
+from .. import page
+from ..page import Block, Figure, Heading, Paragraph, Table
+from . import archive, drawings, paper, plan, tables
+from .errata import errata
+from .measured import Progress, machine
+from .paper import Settings
+from .verdict import Verdict
+from .verdicts import verdicts
+
+STAGES = (0.8, 0.05, 0.07, 0.08)
+"""Shares of the time that computing, timing, drawing and the rest take."""
+REPORT, PAGE, DATA = "report.md", "report.html", "data.h5"
+
+
+def reproduce(
+    folder: Path, *, settings: Settings | None = None, overwrite: bool = False, progress: Progress | None = None
+) -> list[Verdict]:
+    """Compute everything and write figures (PNG, SVG), data (HDF5) and a report (Markdown, HTML) into a folder.
+
+    Args:
+        folder: created if it does not exist.
+        settings: how much to compute; the paper's own settings, and beyond, if None.
+        overwrite: write into a folder that holds files already.
+        progress: called with the share of the work done.
+
+    Returns:
+        The verdicts that open the report.
+
+    Raises:
+        OutputError: when the folder cannot be written, or holds files.
+        StudyError: when a case fails.
+    """
+    settings = settings or Settings()
+    prepare(folder, overwrite)
+    computing, timing, drawing, rest = _stages(progress)
+    runs = plan.compute(settings, computing)
+    timing(0.0)
+    timings = plan.timings(settings)
+    frequency = float(beam.modes(paper.case(settings, "dbet").wing).frequency[0])
+    found = verdicts(settings, runs, frequency, timings, machine())
+    drawings.draw(settings, runs, folder, drawing)
+    rest(0.0)
+    archive.write(folder / DATA, runs, {f"solve_time_{solver}": seconds for solver, seconds in timings.items()})
+    blocks = _blocks(settings, runs, found)
+    for name, text in ((REPORT, page.markdown(blocks)), (PAGE, page.page(blocks, folder))):
+        with files.replacing(folder / name) as file:
+            file.write(text.encode())
+    rest(1.0)
+    return found
+
+
+def _stages(progress: Progress | None) -> list[Progress]:
+    """The progress of each part of the work as a share of all of it."""
+    starts = [sum(STAGES[:number]) for number in range(len(STAGES))]
+
+    def stage(start: float, share: float) -> Progress:
+        return lambda done: progress(start + share * done) if progress is not None else None
+
+    return [stage(start, share) for start, share in zip(starts, STAGES, strict=True)]
+
+
+def prepare(folder: Path, overwrite: bool) -> None:
+    """Make the folder, and make sure of it before minutes are spent.
+
+    Raises:
+        OutputError: when it cannot be written, or holds files.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if any(folder.iterdir()) and not overwrite:
+            raise files.OutputError(f"{folder}: holds files already; --overwrite replaces them, -o writes elsewhere")
+        trial = folder / f".{os.getpid()}.part"
+        with contextlib.suppress(FileNotFoundError):
+            trial.touch()
+            trial.unlink()
+    except OSError as error:
+        raise files.OutputError(f"{folder}: cannot be written: {error.strerror or error}") from None
+
+
+def _blocks(settings: Settings, runs: plan.Runs, found: list[Verdict]) -> list[Block]:
+    reproduced = sum(verdict.reproduced is True for verdict in found)
+    compared = sum(verdict.reproduced is not None for verdict in found)
+    return [
+        Heading(1, "The paper reproduced"),
+        Paragraph(
+            "Reade & Jankauski, Deformable blade element and unsteady vortex lattice fluid-structure interaction "
+            "modeling of a 2D flapping wing (ASME IDETC 2020, DETC2020-22638), computed again and laid beside what it "
+            "prints. Written by `taichiflap reproduce`; nothing here is typed by hand."
+        ),
+        Paragraph(
+            f"Every case runs {settings.periods} beats of {settings.steps_per_period} steps in a fluid of {paper.AIR} "
+            f"kg/m³ unless it says otherwise; numbers are over the last {tables.beats(runs)} beats, with the "
+            "spread from beat to beat after ±. The full vector is the whole force of the fluid; the wing-normal part "
+            "is its component along the undeformed wing's normal, which the paper's force figures show."
+        ),
+        Paragraph(f"{paper.described(settings)} Version {__version__}."),
+        Heading(2, f"Verdicts: {reproduced} of {compared} reproduced"),
+        Table(
+            ("Quantity", "Paper", "Here", "Verdict", "How closely, or why not"),
+            [(one.what, one.printed, one.here, one.state, one.why) for one in found],
+        ),
+        Heading(2, "Convergence: Figs 4 and 5, and what they missed"),
+        Figure("figure4", "Tip deflection, as in the paper, and mean force against the number of blade elements."),
+        Figure("figure5", "The same for UVLM against panels and wake vortices, in the paper's ranges."),
+        Figure(
+            "wake",
+            "Longer wakes, to all of it. Dashed: the one beat that the paper keeps.",
+        ),
+        tables.wakes(settings, runs),
+        Heading(2, "Forces over a beat: Figs 6 and 7"),
+        Figure(
+            "figure6",
+            "Normal force on the rigid wing over the last beat, with the paper's origin of time. Spikes: wake "
+            "vortices, without a core as in the paper, that pass close to the wing.",
+        ),
+        Figure("figure7", "Tip deflection and normal force of the flexible wing over the last beat."),
+        tables.harmonics(runs),
+        Figure("cause", "What the added mass does to the phase between the models."),
+        Heading(2, "Mean vertical force: Table 5"),
+        Figure("table5", "The paper's column and the two definitions."),
+        tables.mean_forces(runs),
+        tables.gains(runs),
+        Heading(2, "Beyond the paper: modes, density, speed"),
+        tables.modes(settings, runs),
+        Figure("density", "The density that the paper does not state. Dotted: the numbers of Table 5."),
+        tables.densities(settings, runs),
+        tables.speeds(runs),
+        Heading(2, "Beyond the paper: power"),
+        Paragraph(
+            "Mechanical power that the actuator must give, its share against the fluid, and its positive part alone, "
+            "which is what an actuator that stores nothing spends; and the mean vertical force (full vector) per power."
+        ),
+        tables.power(runs),
+        Heading(2, "Errors in the paper's text, taken at their word"),
+        Paragraph(
+            "How: `run` changes the case; `post-processed` takes the forces from the stored motion, which stays as it "
+            "was; `NumPy` is the rigid wing's lattice once more in NumPy, which agrees with the solver and has the "
+            "misprint as an option."
+        ),
+        Table(
+            ("Where", "Printed", "Meant", "Effect of the print", "How"),
+            [(one.where, one.printed, one.meant, one.effect, one.how) for one in errata(settings, runs)],
+        ),
+    ]

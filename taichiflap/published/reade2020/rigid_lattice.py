@@ -1,0 +1,81 @@
+"""The paper's lattice for a rigid wing in NumPy, so that Eq. 32 can be taken at its word; without it, the solver's."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...case.case import Case
+from ...motion import sampling
+from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
+from ...structure.chordwise import Profile
+
+Array = NDArray[np.float64]
+Points = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """Forces of a rigid wing, shape (steps + 1,): `normal` along e_z and its vertical share, N; times, s."""
+
+    time: Array
+    normal: Array
+    vertical: Array
+
+
+def fly(case: Case, *, still: bool = False, heard: int | None = None) -> Flight:
+    """March a rigid wing with uniform panels, points for vortices and the fixed shedding distance, in still air.
+
+    Args:
+        still: leave every vortex where it was shed.
+        heard: how many of the youngest wake vortices the velocity of the wake (Eq. 32) counts; None for all.
+    """
+    panels, chord, size = case.uvlm.panels, case.wing.chord, case.wing.chord / case.uvlm.panels
+    kept = case.steps + 1 if case.uvlm.wake == "all" else case.uvlm.wake
+    bound, control = ((np.arange(panels) + place) * size for place in (0.25, 0.75))
+    shed = chord * (1.0 + case.uvlm.shedding_distance)
+    strength = case.fluid.density * Profile.of(case.wing.span).mean
+    time: Array = case.step * np.arange(case.steps + 1, dtype=np.float64)
+    moved = sampling.sample(case.motion, time)
+    # No penetration at every control point, and no change of all circulation (Eq. 31): it never changes.
+    matrix = np.ones((panels + 1, panels + 1))
+    matrix[:-1] = 1.0 / (2.0 * math.pi * (control[:, None] - np.append(bound, shed)))
+    solve = np.linalg.inv(matrix)
+
+    wake, circulation = np.empty(0, complex), np.empty(0)
+    drift = np.empty(0, complex)
+    total, sums = 0.0, np.zeros((2, panels))
+    normal = np.zeros(len(time))
+    for n, (pitch, rate, plunge, speed) in enumerate(moved[:, [PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE]]):
+        turn = np.exp(1j * pitch)
+        if not still:
+            wake = wake + case.step * drift
+        if len(wake) == kept:
+            wake, circulation = wake[1:], circulation[1:]
+        wash = induced(1j * plunge + turn * control, wake, circulation) / turn
+        across = speed * math.cos(pitch) + rate * control - wash.imag
+        solution = solve @ np.append(across, total)
+        bound_now, total = solution[:-1], float(solution[:-1].sum())
+        wake = np.append(wake, 1j * plunge + turn * shed)
+        circulation = np.append(circulation, solution[-1])
+        running = np.cumsum(bound_now)
+        slip = wash.real - speed * math.sin(pitch)
+        growth = (0.0 * running, running - sums[0], 1.5 * running - 2.0 * sums[0] + 0.5 * sums[1])[min(n, 2)]
+        normal[n] = -strength * float(np.sum(slip * bound_now + size * growth / case.step))
+        sums = np.stack((running, sums[0]))
+        if not still:
+            first = 0 if heard is None else max(0, len(wake) - heard)
+            sources = np.append(wake[first:], 1j * plunge + turn * bound)
+            drift = induced(wake, sources, np.append(circulation[first:], bound_now))
+    return Flight(time, normal, normal * np.sin(moved[:, PITCH]))
+
+
+def induced(targets: Points, sources: Points, circulation: Array) -> Points:
+    """Velocity u_y + i u_z (m/s) at each target (Eq. 30), none of a vortex on itself."""
+    y = targets.real[:, None] - sources.real
+    z = targets.imag[:, None] - sources.imag
+    square = y * y + z * z
+    square[square == 0.0] = np.inf
+    pull = circulation / (2.0 * math.pi * square)
+    return np.einsum("ij,ij->i", pull, -z) + 1j * np.einsum("ij,ij->i", pull, y)

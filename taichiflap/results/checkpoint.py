@@ -1,0 +1,72 @@
+"""The state of a run beside its unfinished file, to go on from after a crash: `NAME.state`."""
+
+import contextlib
+import os
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .._version import __version__
+from ..case.case import Case
+
+SUFFIX = ".state"
+SECONDS = 1.0
+"""Time between two checkpoints: what a crash may cost."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """What a march needs to go on: the coming step, the case's arrays, and the seconds spent so far."""
+
+    next_step: int
+    solve_time: float
+    state: Mapping[str, np.ndarray]
+
+
+def beside(path: Path) -> Path:
+    """Where the checkpoint of the run that writes `path` stands."""
+    return path.with_name(path.name + SUFFIX)
+
+
+def save(path: Path, case: Case, checkpoint: Checkpoint) -> None:
+    """Write the checkpoint of a run. A crash at any moment leaves this one or the one before.
+
+    Raises:
+        OSError: when the disk refuses.
+    """
+    place = beside(path)
+    draft = place.with_name(f".{place.name}.{os.getpid()}")
+    try:
+        with open(draft, "wb") as file:
+            np.savez(
+                file, of=_origin(case), next_step=checkpoint.next_step, solve_time=checkpoint.solve_time,
+                **{f"state.{name}": values for name, values in checkpoint.state.items()},  # type: ignore[arg-type]
+            )  # fmt: skip
+        os.replace(draft, place)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def load(path: Path, case: Case) -> Checkpoint | None:
+    """The checkpoint of a case, or None: without one, a run goes on from its beginning, with the same numbers."""
+    try:
+        with open(beside(path), "rb") as file, np.load(file, allow_pickle=False) as stored:
+            if str(stored["of"]) != _origin(case):
+                return None
+            state = {name.removeprefix("state."): stored[name] for name in stored if name.startswith("state.")}
+            return Checkpoint(int(stored["next_step"]), float(stored["solve_time"]), state)
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        return None
+
+
+def discard(path: Path) -> None:
+    """Remove the checkpoint, if there is one."""
+    with contextlib.suppress(OSError):
+        beside(path).unlink()
+
+
+def _origin(case: Case) -> str:
+    return f"taichiflap {__version__}\n{case.to_toml()}"

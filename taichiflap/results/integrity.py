@@ -1,0 +1,151 @@
+"""Whether an HDF5 file holds what it says, looked at before any of it is read.
+
+A damaged or hostile file may declare more than it holds, lead elsewhere by links, external storage or virtual
+datasets, or ask for filters that HDF5 would load from disk. Here all of that is refused while it is but a few bytes.
+"""
+
+import functools
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+import h5py
+import numpy as np
+
+from ..errors import UserError
+
+Found = TypeVar("Found")
+
+MOST_TEXT = 2**26
+"""Bytes of an attribute: a case holds its tables of motion."""
+MOST_LABEL = 2**12
+"""Bytes of a text in an array."""
+MOST_NUMBERS = 10**8
+"""Entries of an array whose room the file need not hold yet."""
+SAFE_FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE)
+LARGEST = {4: 1e18, 8: 1e100}
+"""No quantity is larger, by the bytes of a number: its square is still finite."""
+
+DAMAGE = (OSError, RuntimeError, LookupError, TypeError, ValueError, ArithmeticError, MemoryError)
+"""What HDF5 and h5py raise on damaged files."""
+
+
+class DamageError(UserError):
+    """Something in a file that cannot be, in a few words."""
+
+
+def _in_words(look: Callable[..., Found]) -> Callable[..., Found]:
+    @functools.wraps(look)
+    def looked(place: Any, name: str, *arguments: Any, **options: Any) -> Found:
+        try:
+            return look(place, name, *arguments, **options)
+        except DamageError:
+            raise
+        except DAMAGE as error:
+            raise DamageError(f"{name}: {str(error).partition(chr(10))[0]}") from None
+
+    return looked
+
+
+def plain(value: str | bytes) -> str:
+    """Text as it may be printed: no half characters, and none that steer a terminal."""
+    text = value.decode(errors="replace") if isinstance(value, bytes) else value
+    text = text.encode(errors="surrogateescape").decode(errors="replace")
+    return "".join(c if c.isprintable() or c in "\n\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+@_in_words
+def attribute(file: Any, name: str) -> Any:
+    """A scalar attribute: plain text or a number.
+
+    Raises:
+        DamageError: when it is missing, large, or something else.
+    """
+    if name not in file.attrs:
+        raise DamageError(f"{name} is missing")
+    stored = h5py.h5a.open(file.id, name.encode())
+    if stored.shape != () or stored.get_storage_size() > MOST_TEXT:
+        raise DamageError(f"{name} is no text or number")
+    if stored.dtype.kind == "O":
+        raise DamageError(
+            f"{name} is text of varying length, as other programs write it, and taichiflap before November 2026"
+        )
+    value = file.attrs[name]
+    if isinstance(value, str | bytes):
+        return plain(value)
+    if not isinstance(value, np.number):
+        raise DamageError(f"{name} is no text or number")
+    return value.item()
+
+
+def attributes(file: Any, names: Iterable[str]) -> dict[str, Any]:
+    """Those of some scalar attributes that there are.
+
+    Raises:
+        DamageError: when one is not what it should be.
+    """
+    return {name: attribute(file, name) for name in names if _has(file, name)}
+
+
+@_in_words
+def _has(file: Any, name: str) -> bool:
+    return name in file.attrs
+
+
+@_in_words
+def array(group: Any, name: str, shape: tuple[int | None, ...], kinds: str, *, whole: bool = True) -> tuple[int, ...]:
+    """Check a dataset, and return its shape.
+
+    Args:
+        shape: what it must be; None for any length.
+        kinds: NumPy's letters of the kinds of number that it may hold, such as "if"; "S" is text.
+        whole: whether all its room must be in the file, in one piece.
+
+    Raises:
+        DamageError: when it is something else, or elsewhere.
+    """
+    if name not in group or not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise DamageError(f"{name} is missing")
+    dataset = group[name]
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kinds:
+        raise DamageError(f"{name} is no array of numbers")
+    if dataset.dtype.itemsize > (MOST_LABEL if dataset.dtype.kind == "S" else 8):
+        raise DamageError(f"{name} has entries of {dataset.dtype.itemsize} bytes")
+    found = dataset.shape or ()
+    if len(found) != len(shape) or any(want not in (None, have) for want, have in zip(shape, found, strict=True)):
+        raise DamageError(f"{name} has shape {found}")
+    made = dataset.id.get_create_plist()
+    filters = [made.get_filter(i)[0] for i in range(made.get_nfilters())]
+    if made.get_external_count() or dataset.is_virtual or any(one not in SAFE_FILTERS for one in filters):
+        raise DamageError(f"{name} is not in the file itself")
+    if whole:
+        offset, size = dataset.id.get_offset(), int(dataset.nbytes)
+        if size and (offset is None or offset + size > group.file.id.get_filesize()):
+            raise DamageError(f"{name} is cut off")
+    elif dataset.size > MOST_NUMBERS:
+        raise DamageError(f"{name} is larger than any")
+    return tuple(found)
+
+
+@_in_words
+def group(file: Any, name: str) -> Any:
+    """A group of the file itself.
+
+    Raises:
+        DamageError: when there is none.
+    """
+    if name not in file or not isinstance(file.get(name, getlink=True), h5py.HardLink):
+        raise DamageError(f"{name} is missing")
+    if not isinstance(file[name], h5py.Group):
+        raise DamageError(f"{name} is no group")
+    return file[name]
+
+
+def numbers(values: np.ndarray, name: str) -> np.ndarray:
+    """The values themselves, if each is a number that a quantity can have.
+
+    Raises:
+        DamageError: when one is not.
+    """
+    if values.dtype.kind == "f" and not np.abs(values).max(initial=0.0) < LARGEST[values.dtype.itemsize]:
+        raise DamageError(f"{name} holds what is no number, or larger than any")
+    return values

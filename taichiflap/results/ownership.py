@@ -1,0 +1,112 @@
+"""Who may write a result under a name, and how a file gets it: never in the place of what another run has put there."""
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+from .._version import __version__
+from ..case.case import Case
+from . import integrity
+from .integrity import DamageError
+from .reader import Result, ResultError, first_line, open_result, part
+
+
+def finished(path: Path, case: Case) -> Result | None:
+    """The finished result of a case, or None.
+
+    Raises:
+        ResultError: when the file is of another case, or no result.
+    """
+    if not path.is_file():
+        return None
+    result = open_result(path)
+    try:
+        _check_same(result.file, path, case)
+    except ResultError:
+        result.close()
+        raise
+    return result
+
+
+def check(path: Path, overwrite: bool) -> None:
+    if path.is_dir():
+        raise ResultError(f"{path}: is a directory; name a file, for example {path / 'result.h5'}")
+    if path.exists() and not overwrite:
+        raise ResultError(f"{path}: exists already; --overwrite replaces it, -o writes elsewhere")
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except (FileNotFoundError, NotADirectoryError):
+        raise ResultError(f"{path}: cannot be created: {path.parent} is not a folder") from None
+    except OSError as error:
+        raise ResultError(f"{path}: cannot be created: {first_line(error)}") from None
+
+
+def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> Any:
+    """The file that an interrupted run has left, to go on with; None to begin anew.
+
+    While it is open, HDF5's lock keeps every other run away.
+    """
+    if not part(path).exists():
+        return None
+    try:
+        file = h5py.File(part(path), "r+")
+    except BlockingIOError:
+        raise ResultError(f"{path}: another run is writing it") from None
+    except OSError as error:
+        if overwrite:
+            return None
+        raise ResultError(f"{part(path)}: is in the way: {first_line(error)}; --overwrite replaces it") from None
+    try:
+        if overwrite:
+            return None
+        if not resume:
+            left = "an interrupted run has left its frames; --resume goes on with them, --overwrite begins anew"
+            raise ResultError(f"{path}: {left}")
+        _check_same(file, part(path), case)
+        kept, file = file, None
+        return kept
+    finally:
+        if file is not None:
+            file.close()
+
+
+def _check_same(file: Any, path: Path, case: Case) -> None:
+    for name, ours in {"case": case.to_toml(), "source": f"taichiflap {__version__}"}.items():
+        try:
+            theirs = integrity.attribute(file, name)
+        except DamageError as error:
+            raise ResultError(f"{path}: cannot be resumed: {error}") from None
+        if theirs != ours:
+            raise ResultError(f"{path}: cannot be resumed: {_difference(name, str(theirs), ours)}")
+
+
+def _difference(name: str, theirs: str, ours: str) -> str:
+    if name == "source":
+        return f"{theirs} began it, this is {ours}; --overwrite begins anew"
+    lines = [one for one in zip(theirs.splitlines(), ours.splitlines(), strict=False) if one[0] != one[1]]
+    said = f": {lines[0][0]} there, {lines[0][1]} here" if lines else ""
+    return f"it is of another case{said}; --overwrite begins anew"
+
+
+def move(source: Path, target: Path, overwrite: bool) -> None:
+    """Rename a file; only if told so, in the place of another.
+
+    Raises:
+        FileExistsError: when the target exists and is not to be replaced.
+    """
+    if overwrite:
+        os.replace(source, target)
+        return
+    try:
+        # Unlike a renaming, a link never takes the place of what another run has put there in the meantime.
+        os.link(source, target)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without links
+        os.rename(source, target)
+    else:
+        os.unlink(source)

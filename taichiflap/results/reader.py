@@ -1,0 +1,297 @@
+"""The result file, read: HDF5 that opens in xarray, netCDF4 and MATLAB with no code of ours."""
+
+import bisect
+import functools
+import os
+import tomllib
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ..case.case import Case, CaseError, parse_case
+from ..errors import UserError
+from ..extras import extra
+from . import integrity
+from .integrity import DAMAGE, DamageError
+from .variables import COMPONENTS, MODE_VARIABLES, VARIABLES, WAKE_VARIABLES
+
+FORMAT = 1
+"""Version of the layout; a reader refuses files of a newer one."""
+
+PART = ".part"
+"""What the name of a file ends in until it is complete."""
+
+ATTRIBUTES = (
+    "Conventions", "title", "source", "history", "taichiflap_format", "case", "warnings", "solve_time", "status",
+    "reason",
+)  # fmt: skip
+"""What a file says about itself."""
+
+STATUSES = ("running", "complete", "failed")
+
+REQUIRED = (
+    "plunge", "pitch", "q", "q_rate", "tip_deflection", "force_normal", "force_axial", "force_y", "force_z",
+    "force_vertical", "force_vertical_normal", "moment", "power", "power_aerodynamic", "power_inertial",
+    "node_position",
+)  # fmt: skip
+"""Variables that every model has; those over modes only if the wing bends."""
+
+
+class ResultError(UserError):
+    """A result file that cannot be read or written: one sentence with the path and the cause."""
+
+
+class Result:
+    """A result, read as needed: `result.tip_deflection` is an array, `result.case` the case, in SI units.
+
+    Every variable of the file is an attribute; `dir(result)` and `result.variables` list them.
+    """
+
+    def __init__(self, file: Any, path: Path | None = None) -> None:
+        self.file = file
+        self.path = path
+        self._frames = _whole_frames(file)
+        self._wake_ends = np.empty(0, dtype=np.int64)
+        # An open dataset keeps its chunks: frames in a row are read from memory.
+        self._open: dict[str, Any] = {}
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name.startswith("_") or name not in self.variables:
+            raise AttributeError(f"no variable {name!r} in this result; it has {', '.join(self.variables)}")
+        return self._sound(name, self.file[name][: self.frames])
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.variables]
+
+    def __enter__(self) -> "Result":
+        return self
+
+    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Result {self.case.title!r}, {self.status}, {self.frames} frames>"
+
+    def close(self) -> None:
+        """Close the file; a result in memory is lost."""
+        self.file.close()
+
+    @property
+    def variables(self) -> list[str]:
+        """Names of the variables over time."""
+        return [name for name in ("time", *VARIABLES) if name in self.file]
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The file's own attributes: title, source, status, solve time ..."""
+        said = integrity.attributes(self.file, ATTRIBUTES)
+        # What a run is yet to fill in.
+        unknown = [name for name, value in said.items() if value != value or (name == "reason" and not value)]  # noqa: PLR0124
+        return {name: value for name, value in said.items() if name not in unknown}
+
+    @property
+    def status(self) -> str:
+        """`running`, `complete` or `failed`."""
+        return str(integrity.attribute(self.file, "status"))
+
+    @functools.cached_property
+    def case(self) -> Case:
+        """The case that was computed, overrides included."""
+        return parse_case(tomllib.loads(integrity.attribute(self.file, "case")), "the result's case")
+
+    @property
+    def frames(self) -> int:
+        """Number of frames stored, as of the opening or the last `refresh`."""
+        return self._frames
+
+    @property
+    def modes(self) -> dict[str, np.ndarray]:
+        """`frequency` (Hz), `damping_ratio`, `lambda`, `psi` and `shape` (mode, node) of the elastic modes.
+
+        A rigid wing has none: its file has no modal variable and no `mode` axis.
+        """
+        return {name: values[...] for name, values in self.file.get("modes", {}).items()}
+
+    def frame(self, name: str, index: int) -> np.ndarray:
+        """One frame of a variable, without reading the others."""
+        return self._sound(name, self._dataset(name)[range(self.frames)[index]])
+
+    def between(self, name: str, first: int, last: int, stride: int = 1) -> np.ndarray:
+        """Every so many frames of a variable from `first` to `last`, both included, without reading the others."""
+        return self._sound(name, self._dataset(name)[first : min(last + 1, self.frames) : stride])
+
+    @property
+    def stations(self) -> np.ndarray:
+        """Places of the nodes along the undeformed chord, from the pivot, m."""
+        return self.file["node"][...]
+
+    @property
+    def has_wake(self) -> bool:
+        """Whether the model computes a wake."""
+        return "wake" in self.file
+
+    def wake(self, index: int) -> dict[str, np.ndarray]:
+        """Wake vortices of one frame, oldest first: `y`, `z` (m), `circulation` (m2/s) and `birth` (step).
+
+        A model without a wake has none: all arrays are empty.
+        """
+        if not self.has_wake:
+            return {name: np.empty(0) for name in WAKE_VARIABLES}
+        index = range(self.frames)[index]
+        if not len(self._wake_ends):
+            self._wake_ends = np.cumsum(self.file["wake/count"][: self.frames], dtype=np.int64)
+        first = 0 if index == 0 else int(self._wake_ends[index - 1])
+        last = int(self._wake_ends[index])
+        return {name: self._sound(name, self._dataset(f"wake/{name}")[first:last]) for name in WAKE_VARIABLES}
+
+    def refresh(self) -> None:
+        """Look again at a file that is still being written, or that has got its final name since.
+
+        Raises:
+            ResultError: when it cannot be read just now, for instance in the middle of a write; the result is
+                closed until a later `refresh` succeeds.
+        """
+        if self.path is None:
+            return
+        # First: HDF5 would lend what it remembers of an open file to the next to open it.
+        self.file.close()
+        path = self.path if self.path.exists() else self.path.with_name(self.path.name.removesuffix(PART))
+        fresh = vars(open_result(path))
+        vars(self).clear()
+        vars(self).update(fresh)
+
+    def _sound(self, name: str, values: Any) -> Any:
+        try:
+            return integrity.numbers(values, name)
+        except DamageError as error:
+            raise ResultError(f"{self.path}: damaged: {error}") from None
+
+    def _dataset(self, name: str) -> Any:
+        if name not in self._open:
+            self._open[name] = self.file[name]
+        return self._open[name]
+
+    def to_xarray(self) -> Any:
+        """The variables over time as an `xarray.Dataset` with coordinates, units and attributes.
+
+        Raises:
+            ResultError: when xarray is not installed.
+        """
+        xarray = extra("xarray", "xarray", "to_xarray needs xarray", ResultError)
+        arrays = {
+            name: (VARIABLES[name].dimensions, getattr(self, name), VARIABLES[name].attributes)
+            for name in self.variables
+            if name != "time"
+        }
+        axes = {name: (name, self.file[name][...]) for name in ("mode", "node", "panel") if name in self.file}
+        coordinates = {"time": self.time, "component": list(COMPONENTS), **axes}
+        return xarray.Dataset(arrays, coordinates, self.attributes)
+
+
+def open_result(path: str | Path) -> Result:
+    """Open a result file, complete or still being written.
+
+    Raises:
+        ResultError: when it is missing, damaged, of another kind, or of a newer version.
+    """
+    path = Path(path)
+    if not path.exists() and part(path).exists():
+        path = part(path)
+    try:
+        file = h5py.File(path, "r", locking=False)
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise ResultError(f"{path}: is a directory") from None
+    except OSError as error:
+        case = "a case file, not a result; taichiflap simulate computes it"
+        said = case if path.suffix == ".toml" else f"not a readable result file: {first_line(error)}"
+        raise ResultError(f"{path}: {said}") from None
+    except DAMAGE as error:
+        raise ResultError(f"{path}: not a readable result file: {str(error).partition(chr(10))[0]}") from None
+    try:
+        return _checked(file, path)
+    except ResultError:
+        file.close()
+        raise
+
+
+def part(path: Path) -> Path:
+    """The name under which a file stands until it is complete."""
+    return path.with_name(path.name + PART)
+
+
+def _whole_frames(file: Any) -> int:
+    """Frames that are stored: those to come have no time yet."""
+    time = file["time"]
+    names = [name.encode() for name in VARIABLES]
+    # Past h5py's own objects, whose making takes longer than all the rest.
+    shortest = min([len(time), *(h5py.h5d.open(file.id, name).shape[0] for name in names if name in file.id)])
+    return bisect.bisect_left(range(shortest), True, key=lambda index: bool(np.isnan(time[index])))
+
+
+def _checked(file: Any, path: Path) -> Result:
+    """The result in a file that is one, and that no reader trips over."""
+    try:
+        version = integrity.attributes(file, ("taichiflap_format",)).get("taichiflap_format")
+        if version is None:
+            raise ResultError(f"{path}: an HDF5 file, but not a result of taichiflap")
+        if version > FORMAT:
+            raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
+        case = parse_case(tomllib.loads(integrity.attribute(file, "case")), str(path))
+        _check_contents(file, case)
+    except ResultError:
+        raise
+    except CaseError as error:
+        raise ResultError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
+    except DamageError as error:
+        raise ResultError(f"{path}: damaged: {error}") from None
+    except DAMAGE as error:
+        raise ResultError(f"{path}: damaged: {str(error).partition(chr(10))[0]}") from None
+    return Result(file, path)
+
+
+def _check_contents(file: Any, case: Case) -> None:
+    """Everything that a reader may ask for is there, in the size that the case makes it."""
+    said = integrity.attributes(file, ATTRIBUTES)
+    if not isinstance(said.get("solve_time", 0.0), float) or not isinstance(said.get("warnings", ""), str):
+        raise DamageError("a solve_time or warnings of another kind")
+    if integrity.attribute(file, "status") not in STATUSES:
+        raise DamageError("no status")
+    frames, modes = case.steps // case.output.every + 1, case.wing.modes
+    (nodes,) = integrity.array(file, "node", (None,), "f")
+    sizes = {"time": frames, "mode": modes, "node": nodes, "panel": nodes - 1, "component": len(COMPONENTS)}
+    integrity.array(file, "time", (frames,), "f")
+    integrity.array(file, "panel", (sizes["panel"],), "f")
+    for name, variable in VARIABLES.items():
+        shape = tuple(sizes[axis] for axis in variable.dimensions)
+        if 0 not in shape and (name in REQUIRED or name in file):
+            integrity.array(file, name, shape, "f")
+    if case.solver in ("uvlm", "dbet"):
+        integrity.array(file, "pressure_jump", (frames, nodes - 1), "f")
+    if modes:
+        integrity.array(file, "mode", (modes,), "i")
+        group = integrity.group(file, "modes")
+        for name, variable in MODE_VARIABLES.items():
+            integrity.array(group, name, tuple(sizes[axis] for axis in variable.dimensions), "f")
+            integrity.numbers(group[name][...], name)
+    if "wake" in file:
+        group = integrity.group(file, "wake")
+        integrity.array(group, "count", (frames,), "i")
+        lengths = {integrity.array(group, name, (None,), "if") for name in WAKE_VARIABLES}
+        if len(lengths) > 1:
+            raise DamageError("the wake has arrays of several lengths")
+    times = file["time"][: _whole_frames(file)]
+    astray = np.flatnonzero(
+        ~(np.abs(times - case.step * case.output.every * np.arange(len(times))) <= 1e-6 * case.duration)
+    )
+    if len(astray):
+        raise DamageError(f"frame {astray[0]} has the time {times[astray[0]]:g} s")
+
+
+def first_line(error: OSError) -> str:
+    """The cause in the words of the system, or of HDF5."""
+    return error.strerror or (os.strerror(error.errno) if error.errno else str(error).splitlines()[0])

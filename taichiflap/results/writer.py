@@ -1,0 +1,244 @@
+"""The result file, written so that no crash can damage it.
+
+Every array has its full length and its place from the start: a run only fills numbers in, and nothing by which HDF5
+finds its way changes until the end. What is not computed yet reads as NaN, `time` is filled last, so the frames
+that have a time are whole. The file stands as `NAME.part` until it is complete.
+"""
+
+import contextlib
+import io
+import os
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ..case.case import Case
+from ..structure.beam import Modes
+from . import checkpoint, hdf, layout, ownership
+from .checkpoint import Checkpoint
+from .layout import Layout, Sample
+from .reader import Result, ResultError, first_line, open_result, part
+from .variables import VARIABLES, WAKE_VARIABLES
+
+
+class WriteError(ResultError):
+    """A run that cannot go on because its file cannot be written; what was written before is safe."""
+
+    exit_code = 1
+
+
+class Writer:
+    """Writes one result: construct, `lay_out`, `append` block by block, `finish`.
+
+    Args:
+        case: what is being computed.
+        path: the file to write, or None to keep the result in memory.
+        warnings: what makes the case implausible.
+        overwrite: replace an existing file, and what an interrupted run has left.
+        resume: go on with the file that an interrupted run has left, if there is one.
+
+    Raises:
+        ResultError: when the file exists already, is being written by another run, is of another case, or cannot be
+            created.
+    """
+
+    def __init__(
+        self, case: Case, path: Path | None, warnings: list[str], overwrite: bool = False, resume: bool = False
+    ) -> None:
+        self.case = case
+        self.path = path
+        self.frames = 0
+        self._overwrite = overwrite
+        self._kept = time.monotonic()
+        self._warnings = warnings
+        self._vortices = 0
+        self._file: Any = None
+        self._raw: Any = None
+        self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
+        self._draft: Path | None = None
+        if path is not None:
+            ownership.check(path, overwrite)
+            self._file = ownership.reopen(path, case, overwrite, resume)
+        if self._file is not None:
+            self._find_places()
+
+    def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, vortices: int = 0) -> None:
+        """Give everything its place; a file that is resumed has it already.
+
+        Args:
+            nodes: chordwise positions of the nodes, m.
+            section: the wing's modes.
+            sample: what `append` will get, of any number of frames, none included.
+            vortices: sum over all frames of the number of wake vortices.
+
+        Raises:
+            ResultError: when there is no room, or another run has begun the same file.
+        """
+        if self._file is not None:
+            return
+        try:
+            self._check_room(layout.size(self.case, sample, vortices))
+            self._file = self._create()
+            Layout(self._file, self.case, self._warnings, nodes, section, sample, vortices)
+            self._file.flush()
+            self._publish()
+            self._find_places()
+        except ResultError:
+            raise
+        except (OSError, ValueError, RuntimeError) as error:
+            # HDF5 reports a full disk as any of them, with the system's words inside.
+            inside = str(error).partition("error message = '")[2].partition("'")[0]
+            said = inside or (first_line(error) if isinstance(error, OSError) else str(error).splitlines()[0])
+            raise ResultError(f"{self.path}: cannot be created: {said}") from None
+
+    @property
+    def stored(self) -> int:
+        """Frames that the file holds."""
+        return Result(self._file).frames
+
+    def written(self, name: str) -> np.ndarray:
+        """What was appended of a variable of one value a frame; past HDF5, which need not know of it yet."""
+        offset, kind = self._places[name]
+        self._raw.seek(offset)
+        return np.frombuffer(self._raw.read(self.frames * kind.itemsize), kind)
+
+    def rewind(self, frames: int) -> None:
+        """Go on after so many frames; those behind are written anew."""
+        self.frames = frames
+        self._vortices = int(np.sum(self._file["wake/count"][:frames], dtype=np.int64)) if "wake" in self._file else 0
+
+    def append(self, variables: Mapping[str, np.ndarray]) -> None:
+        """Add a block of frames and hand it to the system.
+
+        Raises:
+            WriteError: when the disk refuses; the frames before are safe.
+        """
+        blocks = {name: (self.frames, variables[name]) for name in VARIABLES if name in variables}
+        vortices = 0
+        if "wake_count" in variables:
+            vortices = len(variables["wake_birth"])
+            wake = (*variables["wake"], variables["wake_birth"])
+            blocks |= {f"wake/{name}": (self._vortices, row) for name, row in zip(WAKE_VARIABLES, wake, strict=True)}
+            blocks["wake/count"] = (self.frames, variables["wake_count"])
+        # Its time says that a frame is whole, so nothing of the frame may come later.
+        blocks["time"] = (self.frames, variables["time"])
+        try:
+            for name, (first, values) in blocks.items():
+                if name in self._places:
+                    self._put(name, first, values)
+        except OSError as error:
+            raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        self.frames += len(variables["time"])
+        self._vortices += vortices
+
+    def _put(self, name: str, first: int, values: np.ndarray) -> None:
+        """Write rows straight to their place in the file: HDF5 takes ten times as long to find it."""
+        offset, kind = self._places[name]
+        row = np.ascontiguousarray(values, dtype=kind)
+        self._raw.seek(offset + first * (row.nbytes // max(1, len(row))))
+        left = row.reshape(-1).view(np.uint8)
+        while len(left):
+            left = left[self._raw.write(left.data) :]
+
+    def keep(self, state: Checkpoint) -> None:
+        """Store what a resumed run needs to go on from here, unless it was done a moment ago.
+
+        Raises:
+            WriteError: when the disk refuses.
+        """
+        if self.path is None or time.monotonic() - self._kept < checkpoint.SECONDS:
+            return
+        try:
+            checkpoint.save(self.path, self.case, state)
+        except OSError as error:
+            raise WriteError(f"{self.path}: its checkpoint cannot be written: {first_line(error)}") from None
+        self._kept = time.monotonic()
+
+    def finish(
+        self, status: str = "complete", solve_time: float = np.nan, reason: str = "", warnings: Sequence[str] = ()
+    ) -> Result:
+        """Close the file under its final name and open it for reading.
+
+        Args:
+            status: `complete` or `failed`.
+            solve_time: seconds spent on the physics.
+            reason: why the run failed.
+            warnings: what makes its outcome implausible.
+
+        Raises:
+            WriteError: when the file cannot get its name; it stays under its `.part` name.
+        """
+        try:
+            warned = "\n".join([*self._warnings, *warnings])
+            for name, value in {"status": status, "reason": reason, "warnings": warned}.items():
+                hdf.rewrite(self._file, name, value)
+            self._file.attrs.modify("solve_time", solve_time)
+            if self.path is None:
+                return Result(self._file)
+            self._file.close()
+            self._raw.close()
+            ownership.move(part(self.path), self.path, self._overwrite)
+            checkpoint.discard(self.path)
+        except OSError as error:
+            raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        return open_result(self.path)
+
+    def abandon(self) -> None:
+        """Close the file where it stands, under its `.part` name if it has one."""
+        with contextlib.suppress(OSError, RuntimeError):
+            for one in (self._file, self._raw):
+                if one is not None:
+                    one.close()
+        self._discard_draft()
+
+    def _check_room(self, size: int) -> None:
+        """Refuse what does not fit before HDF5 has begun it: HDF5 does not survive a file that it cannot close."""
+        if self.path is None:
+            return
+        free = shutil.disk_usage(self.path.parent).free
+        if size > free:
+            room = f"needs {_size(size)}, the disk has {_size(free)} free; a larger output.every makes it smaller"
+            raise ResultError(f"{self.path}: {room}")
+        self._draft = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        with open(self._draft, "wb") as file:
+            file.truncate(size)
+
+    def _create(self) -> Any:
+        if self._draft is not None:
+            return hdf.create(self._draft)
+        self._raw = io.BytesIO()
+        return hdf.create(self._raw)
+
+    def _find_places(self) -> None:
+        """Where in the file the variables over time begin."""
+        if self.path is not None:
+            self._raw = open(part(self.path), "r+b", buffering=0)  # noqa: SIM115 - closed by `finish` or `abandon`
+        names = [name for name in ("time", *VARIABLES) if name in self._file]
+        names += [f"wake/{name}" for name in (*WAKE_VARIABLES, "count") if f"wake/{name}" in self._file]
+        for name in names:
+            dataset = h5py.h5d.open(self._file.id, name.encode())
+            self._places[name] = (dataset.get_offset(), dataset.dtype)
+
+    def _publish(self) -> None:
+        """The laid out file becomes `NAME.part`, once it is good to read at any moment."""
+        if self.path is None or self._draft is None:
+            return
+        checkpoint.discard(self.path)
+        try:
+            ownership.move(self._draft, part(self.path), self._overwrite)
+        except FileExistsError:
+            raise ResultError(f"{self.path}: another run has begun this file") from None
+        self._draft = None
+
+    def _discard_draft(self) -> None:
+        if self._draft is not None:
+            self._draft.unlink(missing_ok=True)
+
+
+def _size(number: float) -> str:
+    return f"{number / 1e9:.3g} GB" if number >= 1e9 else f"{number / 1e6:.3g} MB"

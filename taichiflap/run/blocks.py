@@ -1,0 +1,195 @@
+"""Run cases: march them in blocks, derive what users ask for, write it, report progress."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+
+from .. import fluids
+from ..case.case import Case
+from ..march import loads
+from ..march.march import March
+from ..results import checkpoint
+from ..results.checkpoint import Checkpoint
+from ..results.ownership import finished
+from ..results.reader import Result, ResultError
+from ..results.writer import Writer
+from . import warnings
+
+Progress = Callable[[int, int], None]
+"""Called with the steps done and all steps, after every block."""
+
+BLOCK_SECONDS = 0.1
+"""Time between two writes, about: for a lively progress bar, and to stop at a word."""
+BLOCK_STEPS = 4096
+BLOCK_BYTES = 2**26
+"""A block is never of more steps, or of more bytes of frames."""
+FIRST_WORK = 2e7
+"""Pair interactions of the first block; those of the others follow from the time that it took."""
+
+
+@overload
+def simulate(
+    case: Case,
+    output: str | Path | None = None,
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+) -> Result: ...
+
+
+@overload
+def simulate(
+    case: Sequence[Case],
+    output: Sequence[str | Path] | None = None,
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+) -> list[Result]: ...
+
+
+def simulate(
+    case: Case | Sequence[Case],
+    output: Any = None,
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+) -> Result | list[Result]:
+    """Compute one case, or a batch of cases side by side on all threads.
+
+    Args:
+        case: a case, or several that share their solver. A case gives the same bits in any batch.
+        output: the result file to write, or one for each case; in memory if None.
+        threads: how many threads to use; all of them if None. It does not change any result.
+        progress: called with the steps done and all steps.
+        overwrite: replace existing files, and what interrupted runs have left.
+        resume: go on where an interrupted run of the same case stopped, with the same bits; a file that is complete is
+            opened as it is, one that was never begun is computed from the start.
+
+    Returns:
+        The result, or one for each case, open for reading.
+
+    Raises:
+        ResultError: when a file exists already, is of another case, or cannot be written.
+        ValueError: when the cases of a batch do not share their solver.
+    """
+    single = isinstance(case, Case)
+    cases = [one.resolved() for one in ([case] if isinstance(case, Case) else case)]
+    paths: list[Any] = [output] if single else list(output or [None] * len(cases))
+    if len({one.solver for one in cases}) != 1 or len(paths) != len(cases):
+        raise ValueError("give at least one case, all of one solver, and as many outputs as cases")
+    places = [None if path is None else Path(path) for path in paths]
+    named = [path for path in places if path is not None]
+    for path in named:
+        if named.count(path) > 1:
+            raise ResultError(f"{path}: is to hold two results; name a file for each")
+    run = _resume if resume else _run
+    results = run(cases, places, threads, progress, overwrite)
+    return results[0] if single else results
+
+
+def _resume(
+    cases: list[Case], paths: list[Path | None], threads: int | None, progress: Progress | None, overwrite: bool
+) -> list[Result]:
+    """Open what is complete; march the others on, those together that stopped at the same step."""
+    results: dict[int, Result] = {}
+    stopped: dict[int, list[int]] = {}
+    states: dict[int, Checkpoint | None] = {}
+    for i, (case, path) in enumerate(zip(cases, paths, strict=True)):
+        done = None if path is None or overwrite else finished(path, case)
+        if done:
+            results[i] = done
+            continue
+        states[i] = None if path is None or overwrite else checkpoint.load(path, case)
+        step = states[i].next_step if states[i] else 0  # type: ignore[union-attr]
+        stopped.setdefault(step, []).append(i)
+    for members in stopped.values():
+        found = _run(
+            [cases[i] for i in members], [paths[i] for i in members], threads, progress, overwrite,
+            [states[i] for i in members],
+        )  # fmt: skip
+        results.update(zip(members, found, strict=True))
+    return [results[i] for i in range(len(cases))]
+
+
+def _run(
+    cases: list[Case],
+    paths: list[Path | None],
+    threads: int | None,
+    progress: Progress | None,
+    overwrite: bool,
+    resumed: Sequence[Checkpoint | None] | None = None,
+) -> list[Result]:
+    fluid = fluids.load(cases[0].solver)
+    writers: list[Writer] = []
+    try:
+        for path, case in zip(paths, cases, strict=True):
+            writers.append(Writer(case, path, warnings.warnings(case), overwrite, resumed is not None))
+        march = March(cases, fluid, threads)
+
+        def derive(blocks: list[dict[str, np.ndarray]]) -> Iterator[dict[str, Any]]:
+            for b, (case, frames) in enumerate(zip(cases, blocks, strict=True)):
+                yield loads.derive(case, march.sections[b], fluid.nodes(case), march.motion[b], frames)
+
+        for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
+            writer.lay_out(fluid.nodes(writer.case), section, sample, fluid.vortices(writer.case))
+        solve_time = _take_up(march, writers, resumed)
+        most = FIRST_WORK
+        while not march.done:
+            began = time.perf_counter()
+            steps, work = _block(cases, fluid, march.next_step, most)
+            blocks = march.advance(steps)
+            seconds = time.perf_counter() - began
+            solve_time += seconds
+            most = min(2.0 * most, work * BLOCK_SECONDS / seconds)
+            for b, (writer, variables) in enumerate(zip(writers, derive(blocks), strict=True)):
+                writer.append(variables)
+                writer.keep(Checkpoint(march.next_step, solve_time, march.state(b)))
+            if progress:
+                progress(min(march.next_step, march.steps), march.steps)
+        results = []
+        for b, writer in enumerate(writers):
+            reason = march.reason(b)
+            more = [] if reason else warnings.outcome(writer.case, writer.written("tip_deflection"))
+            results.append(writer.finish("failed" if reason else "complete", solve_time, reason, more))
+        return results
+    except BaseException:
+        for writer in writers:
+            writer.abandon()
+        raise
+
+
+def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint | None] | None) -> float:
+    """Put a march where interrupted runs stopped; the seconds that they had taken."""
+    kept = [one for one in resumed or () if one]
+    frames = [-(-kept[0].next_step // writer.case.output.every) for writer in writers] if kept else []
+    # What a checkpoint counts on must be there: the file may have been moved away, or begun anew.
+    if len(kept) < len(writers) or any(w.stored < count for w, count in zip(writers, frames, strict=True)):
+        return 0.0
+    march.restore([one.state for one in kept], kept[0].next_step)
+    for writer, count in zip(writers, frames, strict=True):
+        writer.rewind(count)
+    return kept[0].solve_time
+
+
+def _block(cases: Sequence[Case], fluid: Any, first: int, most: float) -> tuple[int, float]:
+    """Steps to march from `first` on before the next write, and their work, within `most` if that can be.
+
+    Halved until they fit, so that frames of few sizes need room.
+    """
+    size = sum(fluid.frame_bytes(case) / case.output.every for case in cases)
+    steps = BLOCK_STEPS
+    while True:
+        # A wake grows: its last step is the most work.
+        work = steps * sum(fluid.work(case, first + steps) for case in cases)
+        if steps == 1 or (work <= most and steps * size <= BLOCK_BYTES):
+            return steps, work
+        steps //= 2

@@ -1,0 +1,144 @@
+"""Warnings about cases, and what came of them, that are legal but that the models are not good for."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import fluids
+from ..case.case import Case
+from ..motion import sampling
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE
+from ..structure import beam
+from ..structure.chordwise import Profile
+
+LARGE = 50e9
+"""Bytes of a result file that are worth a warning."""
+GAS = 20.0
+"""A fluid of less than this density, kg/m3, is taken for air, a denser one for water."""
+VISCOSITY = {"air": 1.5e-5, "water": 1.0e-6}
+"""Kinematic, m2/s."""
+REYNOLDS = 30.0, 1e7
+"""Between the smallest insects and the largest swimmers; below, viscosity makes most of the force."""
+FASTEST = {"air": (100.0, "is compressed"), "water": (30.0, "boils at the edges")}
+"""Speed, m/s, and what the fluid does beyond."""
+MASS_RATIO = 0.005, 1000.0
+"""A wing's mass over that of the fluid that moves with it: of a foil in water, and of a plate in air."""
+BENT = 0.3
+"""Tip deflection, in chords, at which a load on the tip of a real beam bends it a tenth less than a linear one."""
+ATTACHED = 20.0
+"""Degrees that a flow to a sharp edge stays attached at, even for a moment."""
+LONGER = 2.0
+"""A table of a motion that lasts so many times as long as the run is hardly meant."""
+TIMES = 2048
+
+
+def warnings(case: Case) -> list[str]:
+    """What is implausible about a case, one sentence each; an empty list when nothing is."""
+    found = [*_of_mass(case), *_of_speed(case), *_of_tables(case)]
+    first = beam.modes(case.wing).frequency[:1]
+    flapping = case.motion.frequency
+    if first.size and flapping and first[0] < flapping:
+        found.append(
+            f"the first natural frequency, {first[0]:.4g} Hz, is below the flapping frequency, "
+            f"{flapping:g} Hz: check the wing's stiffness and mass"
+        )
+    if case.wing.thickness is not None:
+        most = Profile.of(case.wing.thickness).values.max()
+        if most > 0.2 * case.wing.chord:
+            found.append(f"wing.thickness = {most:g} m is over a fifth of the chord: no thin plate bends so")
+    size = file_size(case)
+    if size > LARGE:
+        found.append(f"the result file will take {size / 1e9:.3g} GB; a larger output.every makes it smaller")
+    return found
+
+
+def outcome(case: Case, tip_deflection: NDArray[np.float64]) -> list[str]:
+    """What is implausible about what came of a case, one sentence each; an empty list when nothing is."""
+    found = list(too_bent(float(np.abs(tip_deflection).max(initial=0.0)), case.wing.chord))
+    if case.solver == "uvlm":
+        angle = _angle(case)
+        if angle > ATTACHED:
+            found.append(
+                f"the flow meets the chord at {angle:.0f} deg where it is fast: beyond some {ATTACHED:g} deg "
+                "it separates at the leading edge, of which UVLM knows nothing"
+            )
+    return found
+
+
+def too_bent(tip_peak: float, chord: float) -> Iterator[str]:
+    """A sentence on a largest tip deflection (m) that a linear beam is not good for."""
+    bent = tip_peak / chord
+    if bent > BENT:
+        yield (
+            f"the trailing edge bends by up to {bent:.2g} chords: "
+            f"beyond {BENT:g} the linear beam errs by more than a tenth"
+        )
+
+
+def _of_mass(case: Case) -> Iterator[str]:
+    if case.wing.density is not None:
+        least = Profile.of(case.wing.density).values.min()
+        if least <= case.fluid.density:
+            yield (
+                f"the wing (wing.density = {least:g} kg/m3) is not denser than the fluid "
+                f"(fluid.density = {case.fluid.density:g} kg/m3)"
+            )
+    mass = beam.modes(case.wing).mass
+    moved = 0.25 * math.pi * case.fluid.density * case.wing.chord**2 * Profile.of(case.wing.span).mean
+    if moved and not MASS_RATIO[0] < mass / moved < MASS_RATIO[1]:
+        yield (
+            f"the wing weighs {mass:.3g} kg, {mass / moved:.2g} times the fluid that moves with it: "
+            "check the units of its mass, its size and fluid.density"
+        )
+
+
+def _of_speed(case: Case) -> Iterator[str]:
+    chord = case.wing.chord
+    speed = sampling.typical_speed(case.motion, (1.0 - case.wing.pivot) * chord, case.fluid.velocity, _last_beat(case))
+    fluid = "air" if case.fluid.density < GAS else "water"
+    fastest, there = FASTEST[fluid]
+    if speed > fastest:
+        yield f"the trailing edge moves through the fluid at {speed:.3g} m/s, but {fluid} {there} at such speeds"
+    reynolds = speed * chord / VISCOSITY[fluid]
+    if case.fluid.density and speed and not REYNOLDS[0] < reynolds < REYNOLDS[1]:
+        yield (
+            f"the Reynolds number is about {reynolds:.2g} if the fluid is {fluid}; wings and fins have "
+            f"{REYNOLDS[0]:g} to {REYNOLDS[1]:g}: check wing.chord, motion.frequency and the amplitudes"
+        )
+
+
+def _of_tables(case: Case) -> Iterator[str]:
+    for name, travel in (("plunge", case.motion.plunge), ("pitch", case.motion.pitch)):
+        points = travel.in_si().get("points")
+        if points and not travel.repeats and points[-1][0] > LONGER * case.duration:
+            yield (
+                f"motion.{name} is a table that goes on to {points[-1][0]:g} s, but the run ends at "
+                f"{case.duration:g} s: check that its times are in seconds"
+            )
+
+
+def _last_beat(case: Case) -> NDArray[np.float64]:
+    return np.linspace(max(0.0, case.duration - case.beat), case.duration, TIMES)
+
+
+def _angle(case: Case) -> float:
+    """Mean angle (degrees) of the flow to the rigid chord at its middle, weighted by the square of the flow's speed."""
+    moved = sampling.sample(case.motion, _last_beat(case))
+    cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
+    stream_y, stream_z = case.fluid.velocity[0], case.fluid.velocity[1] - moved[:, PLUNGE_RATE]
+    along = stream_y * cosine + stream_z * sine
+    across = stream_z * cosine - stream_y * sine - (0.5 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
+    pressure = along**2 + across**2
+    if not pressure.any():
+        return 0.0
+    return math.degrees(float(np.average(np.arctan2(np.abs(across), np.abs(along)), weights=pressure)))
+
+
+def file_size(case: Case) -> float:
+    """Size of a case's result file, bytes, but for a few percent."""
+    model = fluids.load(case.solver)
+    points = len(model.nodes(case))
+    frame = 8.0 * (18 + 4 * case.wing.modes) + 4.0 * 4 * points
+    return float(frame * (case.steps // case.output.every + 1) + 16.0 * model.vortices(case))

@@ -1,0 +1,230 @@
+"""A map in the browser: a metric over two keys, or one over another; a click on a case opens it, or runs it first."""
+
+import contextlib
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from taichiflap.maps.file import Map, open_map
+from taichiflap.maps.labels import factor_of, model, named
+from taichiflap.maps.outcome import COMPLETE, FAILED
+from taichiflap.notation import short
+
+from .. import camera
+from ..colours import METRIC, theme
+from ..field import Fields
+from ..frames import Run
+from ..legend import Bar, bar_html
+from ..paint import paint
+from ..panel import WIDTH as PANEL_WIDTH
+from ..session import Session
+from ..session import opening as opening_of_a_run
+from . import picture, scene
+
+BACK = "Back to the map"
+FRONT = "Line: cases that no other beats in both lift and power. "
+
+OpenCase = Callable[[int, Callable[[int, int], None]], Run]
+
+
+class MapSession:
+    """What one browser sees: the map, or one of its cases.
+
+    Args:
+        client: viser's handle of the browser.
+        path: the map file.
+        run: computes or opens a case, by its number, telling the steps done and all steps.
+        worker: the thread to do that in.
+    """
+
+    def __init__(self, client: Any, path: Path, run: OpenCase, worker: ThreadPoolExecutor) -> None:
+        self.client, self.path, self.run, self.worker = client, path, run, worker
+        self._lock = threading.RLock()
+        self._dark = False
+        self._wanted: int | None = None
+        self._case: Session | None = None
+        with open_map(self.path) as sheet:
+            self.choice = picture.opening(sheet)
+        self._show_map()
+        self.client.scene.on_click()(self._click)
+
+    def tick(self, seconds: float) -> None:
+        """Let the case play on, if one is shown."""
+        with self._lock:
+            if self._case:
+                self._case.tick(seconds)
+
+    def close(self) -> None:
+        """Let go of the case that is shown."""
+        with self._lock:
+            if self._case:
+                self._case.run.close()
+                self._case.fields.close()
+            self._case = self._wanted = None
+
+    def _show_map(self) -> None:
+        """Build the page of the map."""
+        client, gui = self.client, self.client.gui
+        with self._lock, client.atomic(), open_map(self.path) as sheet:
+            self.close()
+            client.scene.reset()
+            gui.reset()
+            gui.main_panel.dock_left()
+            gui.main_panel.set_width(PANEL_WIDTH)
+            gui.add_html(camera.narrow())
+            self._headline = gui.add_html(_headline(sheet))
+            keys = [axis.key for axis in sheet.design.axes]
+            for title, of, names in (
+                ("Across", "across", keys + sheet.metrics),
+                ("Up", "up", keys + sheet.metrics),
+                ("Colour", "colour", sheet.metrics),
+            ):
+                self._add_dropdown(title, of, {named(name, sheet): name for name in names})
+            self._fixed = [self._add_held(axis) for axis in sheet.design.axes]
+            self._dark_box = gui.add_checkbox("Dark", self._dark)
+            self._dark_box.on_update(lambda event: self._darken(bool(event.target.value)))
+            self._legend = gui.add_html("")
+            self._message = gui.add_html("")
+            self._draw(sheet)
+        self.view = camera.View(client, scene.BOX)
+        camera.lock_rotation(client)
+
+    def _add_dropdown(self, title: str, of: str, names: dict[str, str]) -> None:
+        shown = next(text for text, name in names.items() if name == getattr(self.choice, of))
+        handle = self.client.gui.add_dropdown(title, tuple(names), initial_value=shown)
+
+        @handle.on_update
+        def _(event: Any) -> None:
+            self._choose(**{of: names[event.target.value]})
+
+    def _add_held(self, axis: Any) -> tuple[str, Any]:
+        handle = self.client.gui.add_dropdown(
+            axis.key, tuple(map(str, dict.fromkeys(axis.values))), initial_value=str(axis.values[0]), visible=False
+        )
+
+        @handle.on_update
+        def _(event: Any) -> None:
+            values = list(map(str, axis.values))
+            self._choose(fixed=dict(self.choice.fixed) | {axis.key: values.index(event.target.value)})
+
+        return axis.key, handle
+
+    def _choose(self, **chosen: Any) -> None:
+        with self._lock, self.client.atomic(), open_map(self.path) as sheet:
+            self.choice = replace(self.choice, **chosen)
+            self._draw(sheet)
+
+    def _darken(self, dark: bool) -> None:
+        self._dark = dark
+        self._choose()
+
+    def _draw(self, sheet: Map) -> None:
+        """Draw the map as chosen."""
+        client = self.client
+        client.gui.configure_theme(
+            dark_mode=self._dark, show_logo=False, show_share_button=False, control_width="medium"
+        )
+        self._theme = theme(self._dark)
+        paint(client, self._theme)
+        held = {axis.key for axis in picture.held(sheet, self.choice)}
+        for key, handle in self._fixed:
+            handle.visible = key in held
+        self.picture = picture.read(sheet, self.choice)
+        names = named(self.choice.across, sheet), named(self.choice.up, sheet)
+        scene.draw(client.scene, self.picture, *names, self._theme)
+        low, high = self.picture.limits
+        title, unit = _title_and_unit(self.choice.colour, sheet)
+        bar = bar_html(Bar(title, METRIC, _digits(low), _digits(high), unit or "no unit"))
+        self._legend.content = (
+            f'<div data-legend style="padding:4px;line-height:1.45;font-size:12px">{bar}'
+            f"Grey: a case without this metric. {FRONT if self.picture.fronts else ''}A click on a case opens it.</div>"
+        )
+
+    def _click(self, event: Any) -> None:
+        spot = scene.hit(event)
+        with self._lock:
+            if self._case or self._wanted is not None or spot is None:
+                return
+            number = self.picture.at(*spot)
+            if number is None:
+                return
+            self._wanted = number
+            with open_map(self.path) as sheet:
+                told = _case_lines(sheet, number, self.choice.colour)
+            self._message.content = _lines([*told, "opening"])
+
+        def progress(done: int, total: int) -> None:
+            if self._wanted == number:
+                self._message.content = _lines([*told, f"computing: {100 * done // total} %"])
+
+        future = self.worker.submit(self.run, number, progress)
+        future.add_done_callback(lambda found: self._arrive(number, told, found))
+
+    def _arrive(self, number: int, told: list[str], found: "Future[Run]") -> None:
+        """Show the case that was clicked on, unless the browser has left."""
+        with self._lock, contextlib.suppress(RuntimeError):
+            if found.cancelled() or self._wanted != number:
+                if not found.cancelled() and not found.exception():
+                    found.result().close()
+                return
+            self._wanted = None
+            error = found.exception()
+            if error:
+                self._message.content = _lines([*told, escape(str(error))])
+                return
+            self._show_case(found.result(), told)
+
+    def _show_case(self, run: Run, told: list[str]) -> None:
+        client, playback = self.client, opening_of_a_run([run])
+        with client.atomic():
+            client.gui.reset()
+            client.scene.reset()
+            self._case = Session(client, [run], playback, Fields(run, self.worker))
+            back = client.gui.add_button(BACK, order=-2.0)
+            client.gui.add_html(_lines(told), order=-1.0)
+            back.on_click(lambda _: self._show_map())
+        self._case.start(replace(playback, dark=self._dark))
+
+
+def _headline(sheet: Map) -> str:
+    status = sheet.status
+    counts = [*filter(None, [model(sheet)]), f"{sheet.design.size:,} cases"]
+    counts += [f"{count:,} to run" for count in [int(np.sum((status != COMPLETE) & (status != FAILED)))] if count]
+    counts += [f"{count:,} failed" for count in [int(np.sum(status == FAILED))] if count]
+    name = escape(sheet.case.title or (sheet.path.stem if sheet.path else ""))
+    return f'<div data-map style="padding:2px 4px 6px;line-height:1.45"><b>{name}</b><br>{", ".join(counts)}</div>'
+
+
+def _case_lines(sheet: Map, number: int, metric: str) -> list[str]:
+    """A case in words: its number, what makes it, its metric, or why it has none."""
+    outcome = sheet.outcomes([number])[0]
+    point = sheet.design.point(number)
+    lines = [f"<b>Case {number}</b>", *(escape(f"{key} = {short(value)}") for key, value in point.items())]
+    if outcome is None:
+        lines.append("not run by the study yet")
+    elif outcome.reason:
+        lines.append(escape(outcome.reason))
+    else:
+        title, unit = _title_and_unit(metric, sheet)
+        lines.append(f"{title} = {factor_of(sheet, metric) * outcome.metrics[metric]:.4g} {unit}")
+    return lines
+
+
+def _title_and_unit(name: str, sheet: Map) -> tuple[str, str]:
+    title, _, unit = named(name, sheet).partition(" (")
+    return escape(title), unit.rstrip(")")
+
+
+def _lines(lines: list[str]) -> str:
+    style = "padding:4px;font-size:12px;line-height:1.4;overflow-wrap:anywhere"
+    return f'<div data-case style="{style}">{"<br>".join(lines)}</div>'
+
+
+def _digits(value: float) -> float:
+    return float(f"{value:.3g}")

@@ -1,0 +1,76 @@
+"""The viewer of maps: serves one to many browsers, and runs the cases that they click on."""
+
+import hashlib
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from taichiflap import simulate
+from taichiflap.errors import UserError
+from taichiflap.maps.file import open_map
+
+from .. import camera
+from ..frames import Run
+from ..server import Server
+from .scene import BOX
+from .session import MapSession
+
+
+class MapViewer(Server):
+    """Serves one map to any number of browsers.
+
+    Args:
+        path: the map file, complete or still being filled.
+        host: the address to listen at; the default is this machine only.
+        port: the port to listen at, or the first free one above it.
+
+    Raises:
+        ViewError: when there is no such port or address.
+        MapError: when the file cannot be read.
+    """
+
+    def __init__(self, path: str | Path, host: str = "127.0.0.1", port: int = 8080) -> None:
+        self.path = Path(path)
+        open_map(self.path).close()
+        super().__init__(host, port)
+        # Taichi wants one thread of its own for all that it does: the runs, and the flow around them.
+        self.worker = ThreadPoolExecutor(1, thread_name_prefix="cases")
+        camera.start(self.server, BOX)
+        self.server.on_client_connect(self._connect)
+        self.server.on_client_disconnect(self._disconnect)
+        self.serve()
+
+    def stop(self) -> None:
+        """Stop serving, once the case that is running is done."""
+        super().stop()
+        for session in self.sessions:
+            session.close()
+        self.worker.shutdown(wait=True, cancel_futures=True)
+
+    def run(self, number: int, progress: Callable[[int, int], None]) -> Run:
+        """Case `number` of the map, from a file in a folder beside it; computed first if it is not there.
+
+        Raises:
+            UserError: when its values do not go together, or the disk refuses.
+        """
+        with open_map(self.path) as sheet:
+            case = sheet.design.case(sheet.case, number)
+        digest = hashlib.sha256(case.to_toml().encode()).hexdigest()[:12]
+        folder = self.path.with_name(f"{self.path.stem}-cases")
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise UserError(f"{folder}: cannot be created: {error.strerror}") from None
+        result = simulate(case, folder / f"{number}-{digest}.h5", progress=progress, resume=True)
+        return Run(result, f"case {number}")
+
+    def _connect(self, client: Any) -> None:
+        session = MapSession(client, self.path, self.run, self.worker)
+        if not self._welcome(client, session):
+            session.close()
+
+    def _disconnect(self, client: Any) -> None:
+        session = self._take_leave(client)
+        if session:
+            session.close()
