@@ -56,7 +56,7 @@ class Oracle:
 
     def step(self, n):
         dt = self.dt
-        zp, zd, zdd, th, thd, thdd = sampling.sample(self.case.motion, np.array([n * dt]))[0]
+        zp, zd, zdd, th, thd, thdd = sampling.sample(self.case.motion, np.array([n * dt]))[0, :6]
         self.kinematics = (zp, zd, zdd, th, thd, thdd)
         if n == 0:
             rule, beta = (0.0, 0.0, 0.0), 0.0

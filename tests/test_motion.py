@@ -6,6 +6,7 @@ from conftest import hawkmoth, march
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import taichiflap
 from taichiflap.case.case import parse_case
 from taichiflap.motion import sampling, waveforms
 
@@ -177,14 +178,14 @@ def test_the_keys_of_every_kind_reach_its_formula():
     pitch = waveforms.ramp(
         TIMES, initial=np.radians(5), amplitude=np.radians(45), start=0.1, ramp=0.2, hold=0.3, smoothing=50.0
     )
-    np.testing.assert_allclose(moved[:, 3:], pitch, rtol=1e-14, atol=1e-14)
+    np.testing.assert_allclose(moved[:, 3:6], pitch, rtol=1e-14, atol=1e-14)
     fourier = hawkmoth("motion.pitch={amplitude_deg=10.0, mean_deg=3.0, harmonics_deg=[[2, 5.0, 90.0]]}")
     expected = np.radians(3 + 10 * np.sin(50 * np.pi * TIMES) + 5 * np.cos(100 * np.pi * TIMES))
     np.testing.assert_allclose(sampling.sample(fourier.motion, TIMES)[:, sampling.PITCH], expected, atol=1e-12)
 
 
 def test_the_papers_stroke_starts_at_reversal_with_the_chord_upright():
-    z, z_rate, _, theta, theta_rate, _ = sampling.sample(hawkmoth().motion, np.array([0.0]))[0]
+    z, z_rate, _, theta, theta_rate, *_ = sampling.sample(hawkmoth().motion, np.array([0.0]))[0]
     assert z == 0.02
     assert abs(z_rate) < 1e-14
     assert theta == 0.0
@@ -206,6 +207,51 @@ def test_a_wing_that_moves_through_still_air_feels_what_it_feels_in_a_stream(sol
     assert size > 1e-4
     np.testing.assert_allclose(one.force, other.force, atol=1e-9 * size)
     np.testing.assert_allclose(one.q, other.q, atol=1e-9 * np.abs(one.q).max())
+
+
+@pytest.mark.parametrize("solver", ["uvlm", "dbet"])
+def test_surge_through_still_air_is_a_stream_along_y(solver):
+    document = hawkmoth(f"solver={solver}", "uvlm.panels=12", "wing.modes=2").to_dict()
+    document["motion"] = {"frequency": 25.0, "pitch": {"amplitude_deg": 15.0, "mean_deg": 50.0}}
+    document["time"] = {"duration": 0.06, "step": 4e-4}
+    travel = {"kind": "table", "points": [[0.0, 0.1], [0.02, 0.04], [0.04, -0.02], [0.06, -0.08]]}  # -3 m/s
+    document["fluid"] = {"velocity": [-1.0, 0.7]}
+    moving = parse_case({**document, "motion": document["motion"] | {"surge": travel}})
+    document["fluid"] = {"velocity": [2.0, 0.7]}
+    (one, other), _ = march([moving, parse_case(document)])
+    size = np.abs(one.force).max()
+    assert size > 1e-4
+    np.testing.assert_allclose(one.force, other.force, atol=1e-9 * size)
+    np.testing.assert_allclose(one.q, other.q, atol=1e-9 * np.abs(one.q).max())
+
+
+@pytest.mark.parametrize("solver", ["uvlm", "dbet"])
+@pytest.mark.parametrize("turn_deg", [30.0, 90.0])
+def test_a_turned_stroke_gives_turned_forces(solver, turn_deg):
+    """The same stroke in a plane turned by an angle, partly or wholly surge: only the inertial frame has turned."""
+    common = (
+        f"solver={solver}", "uvlm.panels=12", "uvlm.spacing=cosine", "uvlm.loads=vortices", "uvlm.suction=true",
+        "uvlm.core=0.05", "wing.modes=2", "time.periods=1", "time.steps_per_period=100", "fluid.velocity=[0, 0]",
+    )  # fmt: skip
+    turn = np.radians(turn_deg)
+    plain = hawkmoth(*common)
+    turned = hawkmoth(
+        *common, f"motion.plunge.amplitude={0.02 * np.cos(turn)}", f"motion.pitch.mean_deg={turn_deg}",
+        f"motion.surge={{amplitude={0.02 * np.sin(turn)}, phase_deg=-90.0}}",
+    )  # fmt: skip
+    one, other = (taichiflap.simulate(case) for case in (plain, turned))
+    size = np.abs(one.force_z).max()
+    for name in ("force_normal", "force_axial"):
+        np.testing.assert_allclose(getattr(other, name), getattr(one, name), atol=1e-9 * size)
+    for name in ("tip_deflection", "moment", "power", "power_inertial"):
+        np.testing.assert_allclose(getattr(other, name), getattr(one, name), atol=1e-9 * np.ptp(getattr(one, name)))
+    along_y = np.cos(turn) * one.force_y - np.sin(turn) * one.force_z
+    along_z = np.sin(turn) * one.force_y + np.cos(turn) * one.force_z
+    np.testing.assert_allclose(other.force_y, along_y, atol=1e-9 * size)
+    np.testing.assert_allclose(other.force_z, along_z, atol=1e-9 * size)
+    y, z = np.moveaxis(one.node_position, 2, 0)
+    expected = np.stack((np.cos(turn) * y - np.sin(turn) * z, np.sin(turn) * y + np.cos(turn) * z), axis=2)
+    np.testing.assert_allclose(other.node_position, expected, atol=1e-8)
 
 
 def test_reversals_of_a_stretch_are_those_inside_it_and_at_its_ends():

@@ -71,7 +71,7 @@ class Case(Section):
         if self.steps > MAX_STEPS:
             product = "duration / time.step" if self.time.periods is None else "periods * time.steps_per_period"
             raise ValueError(f"time.{product} = {self.steps}: at most {MAX_STEPS} steps in one case")
-        for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch)):
+        for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch), ("surge", self.motion.surge)):
             if isinstance(axis, TablePlunge | TablePitch) and not axis.periodic:
                 first, last = (axis.in_si()["points"][end][0] for end in (0, -1))
                 if first > 0.0 or last < self.duration * (1.0 - 1e-9):

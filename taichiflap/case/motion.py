@@ -29,7 +29,7 @@ POINTS = "points [time, value] to pass through; times in s, or in periods if per
 
 
 class Travel(Section):
-    """How plunge or pitch goes with time."""
+    """How plunge, pitch or surge goes with time."""
 
     kind: str
 
@@ -241,8 +241,14 @@ class Motion(Section):
     )
     plunge: Plunge = Field(default_factory=HarmonicPlunge, description="plunge along Z")
     pitch: Pitch = Field(default_factory=HarmonicPitch, description="pitch about the pivot")
+    surge: Plunge = Field(default_factory=HarmonicPlunge, description="surge along Y, which points down")
     start_up: float | None = key(
-        None, unit="s", text="plunge and pitch grow smoothly from nothing for so long", example=0.04, gt=0, le=1e6
+        None,
+        unit="s",
+        text="plunge, pitch and surge grow smoothly from zero in this time",
+        example=0.04,
+        gt=0,
+        le=1e6,
     )
     start_up_periods: float | None = key(
         None, unit="periods", text="the same, counted in periods", example=1.0, gt=0, le=1e5
@@ -250,7 +256,9 @@ class Motion(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Motion":
-        if self.frequency is None and (self.plunge.repeats or self.pitch.repeats or self.start_up_periods):
+        if self.frequency is None and (
+            self.plunge.repeats or self.pitch.repeats or self.surge.repeats or self.start_up_periods
+        ):
             raise needed("frequency", "something here repeats")
         if self.start_up and self.start_up_periods:
             raise ValueError("give start_up or start_up_periods, not both")

@@ -25,7 +25,7 @@ def with_points(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(motion, Mapping):
         return dict(document)
     read = {}
-    for name, key in (("plunge", "points"), ("pitch", "points_deg")):
+    for name, key in (("plunge", "points"), ("pitch", "points_deg"), ("surge", "points")):
         table = motion.get(name)
         if isinstance(table, Mapping) and table.get("kind") == "table" and isinstance(table.get("file"), str):
             rest = {k: v for k, v in table.items() if k not in ("file", "column")}

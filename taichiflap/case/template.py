@@ -20,6 +20,7 @@ EXAMPLE: dict[str, Any] = {
     "wing.youngs_modulus": 24.5e9,
     "motion.plunge": {"amplitude": 0.02, "phase_deg": 90.0},
     "motion.pitch": {"amplitude_deg": 15.0, "phase_deg": 0.0, "mean_deg": 0.0},
+    "motion.surge": {"amplitude": 0.0, "phase_deg": 0.0},
 }
 """Where the default is nothing to start from: a hawkmoth's wing and stroke. Other optional keys become comments."""
 

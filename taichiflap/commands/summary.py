@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..case.case import Case
-from ..case.motion import Travel
+from ..case.motion import HarmonicPlunge, Travel
 from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
 from ..notation import prefixed
 from ..results.reader import Result
@@ -162,7 +162,8 @@ def _motion(case: Case) -> str:
     else:
         steps = f"{time.periods} beats of {case.steps_per_beat:g} steps"
     plunge, pitch = _travel(motion.plunge, "m"), _travel(motion.pitch, "deg")
-    return f"{rate}plunge {plunge}, pitch {pitch}, {steps}"
+    surge = f", surge {_travel(motion.surge, 'm')}" if motion.surge != HarmonicPlunge() else ""
+    return f"{rate}plunge {plunge}, pitch {pitch}{surge}, {steps}"
 
 
 def _travel(axis: Travel, unit: str) -> str:

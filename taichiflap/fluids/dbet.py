@@ -21,7 +21,6 @@ from ..march.state import (
     AMPLITUDE,
     AXIAL,
     BETA,
-    COSINE,
     MOMENT,
     NORMAL,
     RATE,
@@ -29,9 +28,10 @@ from ..march.state import (
     array,
     most_modes,
     octet_array,
+    pivot_heave,
     pivot_velocity,
 )
-from ..motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
 from ..structure.beam import Modes
 from ..structure.chordwise import Profile
 from ..vortex.sum import TINY
@@ -175,7 +175,7 @@ def kept_share(r_y, r_z, e_y, e_z):
 def linearise(body: View, flow: View, b, n):
     """Blade forces about the expected rates, and the acceleration that the added mass feels (Eqs 6-7, 17-27)."""
     modes = body.modes[b]
-    heave = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
+    heave = pivot_heave(body, b, n)
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..case.case import Case
-from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
 from ..structure.beam import Modes
 from .state import ACCEL, AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
 
@@ -18,7 +18,7 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
 
     Args:
         nodes: positions of the nodes along the chord, from the pivot, m.
-        motion: as a march samples it, at every step, shape (steps + 1, 8).
+        motion: as a march samples it, at every step, shape (steps + 1, COLUMNS).
         frames: what `March.advance` returned for the case.
     """
     state = frames["q"]
@@ -30,7 +30,7 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
         "q": state[:, AMPLITUDE],
         "q_rate": state[:, RATE],
         "q_acceleration": state[:, ACCEL],
-        "node_position": np.stack((along, series["plunge"][:, None] + across), axis=2),
+        "node_position": np.stack((series["surge"][:, None] + along, series["plunge"][:, None] + across), axis=2),
     }
     return series | fields | {name: values for name, values in frames.items() if name not in ("step", "q", "force")}
 
@@ -45,11 +45,12 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
     force_y = axial * cosine - normal * sine
     vertical_normal = normal * sine
     force_z = axial * sine + normal * cosine
-    aerodynamic = -(force_z * moved[PLUNGE_RATE] + moment * moved[PITCH_RATE])
+    aerodynamic = -(force_z * moved[PLUNGE_RATE] + moment * moved[PITCH_RATE] + force_y * moved[SURGE_RATE])
     inertial = inertial_power(section, moved.T, state)
     return {
         "time": case.step * frames["step"],
         "plunge": moved[PLUNGE],
+        "surge": moved[SURGE],
         "pitch": moved[PITCH],
         "tip_deflection": _weighted(section.shape([case.wing.chord])[:, 0], state[:, AMPLITUDE].T),
         "force_normal": normal,
@@ -69,14 +70,14 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
 def inertial_power(section: Modes, motion: Array, state: Array) -> Array:
     """Power (W) that the actuator spends on the wing's own mass, at the pivot.
 
-    The generalised inertia forces of plunge and pitch are Lagrange's, from the kinetic energy of the paper's
-    Appendix A (whose T6 lacks its factor thetadot), times the plunge and pitch rates.
+    The generalised inertia forces of plunge, pitch and surge are Lagrange's, from the kinetic energy of the paper's
+    Appendix A (whose T6 lacks its factor thetadot) with surge added, times the rates.
 
     Args:
-        motion: as a march samples it, shape (frames, 8).
+        motion: as a march samples it, shape (frames, COLUMNS).
         state: modal state, shape (frames, 3, modes).
     """
-    _, rate, accel, _, theta_rate, theta_accel, cosine, sine = motion.T
+    _, rate, accel, _, theta_rate, theta_accel, _, surge_rate, surge_accel, cosine, sine = motion.T
     q, q_rate, q_accel = np.ascontiguousarray(state.transpose(1, 2, 0))
     lifted, lifted_rate, lifted_accel = (_weighted(section.lam, row) for row in (q, q_rate, q_accel))
     along = section.mass * accel + section.first_moment * (theta_accel * cosine - theta_rate**2 * sine)
@@ -84,23 +85,31 @@ def inertial_power(section: Modes, motion: Array, state: Array) -> Array:
     along -= (theta_accel * sine + theta_rate**2 * cosine) * lifted
     around = (section.second_moment + _summed(q * q)) * theta_accel + 2.0 * theta_rate * _summed(q * q_rate)
     around += accel * (section.first_moment * cosine - sine * lifted) + _weighted(section.psi, q_accel)
-    return along * rate + around * theta_rate
+    around -= surge_accel * (section.first_moment * sine + cosine * lifted)
+    down = section.mass * surge_accel - section.first_moment * (theta_accel * sine + theta_rate**2 * cosine)
+    down -= sine * lifted_accel + 2.0 * theta_rate * cosine * lifted_rate
+    down -= (theta_accel * cosine - theta_rate**2 * sine) * lifted
+    return along * rate + around * theta_rate + down * surge_rate
 
 
 def mechanical_energy(section: Modes, motion: Array, state: Array) -> Array:
-    """Kinetic plus elastic energy (J) of the wing: Eqs 9-10 with the paper's Appendix A.
+    """Kinetic plus elastic energy (J) of the wing: Eqs 9-10 with the paper's Appendix A, and surge.
 
     Args:
-        motion: as a march samples it, shape (frames, 8).
+        motion: as a march samples it, shape (frames, COLUMNS).
         state: modal state, shape (frames, 3, modes).
     """
-    _, rate, _, _, theta_rate, _, cosine, sine = motion.T
+    _, rate, _, _, theta_rate, _, _, surge_rate, _, cosine, sine = motion.T
     q, q_rate = state[:, AMPLITUDE].T, state[:, RATE].T
     kinetic = 0.5 * (section.mass * rate**2 + section.second_moment * theta_rate**2 + _summed(q_rate * q_rate))
     kinetic += 0.5 * theta_rate**2 * _summed(q * q)
     kinetic += section.first_moment * rate * theta_rate * cosine
     kinetic += rate * (cosine * _weighted(section.lam, q_rate) - theta_rate * sine * _weighted(section.lam, q))
     kinetic += theta_rate * _weighted(section.psi, q_rate)
+    turned = section.first_moment * sine + cosine * _weighted(section.lam, q)
+    kinetic += surge_rate * (
+        0.5 * section.mass * surge_rate - theta_rate * turned - sine * _weighted(section.lam, q_rate)
+    )
     return kinetic + 0.5 * _weighted(section.omega**2, q * q)
 
 

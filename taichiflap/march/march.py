@@ -35,11 +35,11 @@ import numpy as np
 from ..case.case import Case
 from ..kernels import linear
 from ..kernels.runtime import LANE, Floats3, Floats4, Ints1, View, start, tasks, ti, view
-from ..motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
 from ..structure import beam
 from . import divergence
 from . import state as bodies
-from .state import ACCEL, AMPLITUDE, BETA, C0, C1, C2, COSINE, DAMPING, LAMBDA, LIMIT, PSI, RATE, STIFFNESS, Body
+from .state import ACCEL, AMPLITUDE, BETA, C0, C1, C2, DAMPING, LAMBDA, LIMIT, PSI, RATE, STIFFNESS, Body
 
 Track = ti.types.argpack(q=Floats4, modal_force=Floats3, force=Floats3)
 """What every case leaves a frame: (case, frame, 3, mode), (case, frame, mode) and (case, frame, 4)."""
@@ -89,7 +89,7 @@ def accelerate(body: View, b, n, rule):
     """Solve the modal equation for the acceleration and update amplitudes and rates with it."""
     modes = body.modes[b]
     beta = rule[BETA]
-    heave = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
+    heave = bodies.pivot_heave(body, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]
     for j in range(modes):

@@ -1,7 +1,7 @@
 """The moving elastic section of every case of a batch: its arrays, and where its points are and how they move.
 
 Reade & Jankauski (2020), Eqs 1-8. Chordwise axis `e_y = (cos theta, sin theta)` and normal axis
-`e_z = (-sin theta, cos theta)` in (Y, Z); a point sits at `(0, Z) + y e_y + W e_z` with `W = sum_k phi_k q_k`.
+`e_z = (-sin theta, cos theta)` in (Y, Z); a point sits at `(Y, Z) + y e_y + W e_z` with `W = sum_k phi_k q_k`.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 from ..case.case import Case
 from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Octet, View, ti, view
 from ..motion import sampling
-from ..motion.sampling import PITCH, PITCH_ACCEL, PLUNGE_RATE
+from ..motion.sampling import PITCH, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
 from ..structure import beam
 from . import divergence
 
@@ -29,8 +29,9 @@ AMPLITUDE, RATE, ACCEL = range(3)
 STIFFNESS, DAMPING, LAMBDA, PSI, LIMIT = range(5)
 """Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k, and where a case stops."""
 
-COSINE, SINE = PITCH_ACCEL + 1, PITCH_ACCEL + 2
+COSINE, SINE = SURGE_ACCEL + 1, SURGE_ACCEL + 2
 """Columns that a march adds to the sampled motion: of the pitch angle."""
+COLUMNS = SINE + 1
 
 Body = ti.types.argpack(
     modes=Ints1,
@@ -38,7 +39,7 @@ Body = ti.types.argpack(
     every=Ints1,  # steps between frames
     failed=Ints1,  # step at which the case stopped, see taichiflap.march.divergence; -1 while all is well
     dt=Floats1,
-    motion=Floats3,  # (case, step, 8), see taichiflap.motion; and cos theta, sin theta
+    motion=Floats3,  # (case, step, COLUMNS), see taichiflap.motion; and cos theta, sin theta
     constant=Floats3,
     q=Floats3,  # modal state now ...
     q_before=Floats3,  # ... and one step earlier
@@ -55,21 +56,18 @@ GIVEN = ("motion",)
 
 
 def sample_motions(cases: Sequence[Case]) -> np.ndarray:
-    """The motion of every case at all its steps, shape (cases, steps + 1, 8): see `COSINE`."""
-    sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, 8))
+    """The motion of every case at all its steps, shape (cases, steps + 1, COLUMNS): see `COSINE`."""
+    sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, COLUMNS))
     known: dict[Any, np.ndarray] = {}
     for row, case in zip(sampled, cases, strict=True):
         moving, moves = row[: case.steps + 1], case.motion
-        for axis, columns in ((moves.plunge, moving[:, :PITCH]), (moves.pitch, moving[:, PITCH:])):
+        for axis, first in ((moves.plunge, PLUNGE), (moves.pitch, PITCH), (moves.surge, SURGE)):
             how = axis, moves.frequency, moves.growth, case.steps, case.step
-            if how in known:  # the cases of a study often have one of them in common
-                columns[:] = known[how]
-                continue
-            times = case.step * np.arange(case.steps + 1, dtype=np.float64)
-            columns[:, :3] = sampling.sample_axis(axis, moves.frequency, moves.growth, times)
-            known[how] = columns
-            if axis is moves.pitch:
-                moving[:, COSINE], moving[:, SINE] = np.cos(moving[:, PITCH]), np.sin(moving[:, PITCH])
+            if how not in known:  # the cases of a study often have one of them in common
+                times = case.step * np.arange(case.steps + 1, dtype=np.float64)
+                known[how] = sampling.sample_axis(axis, moves.frequency, moves.growth, times)
+            moving[:, first : first + 3] = known[how]
+        moving[:, COSINE], moving[:, SINE] = np.cos(moving[:, PITCH]), np.sin(moving[:, PITCH])
     return sampled
 
 
@@ -139,8 +137,16 @@ def superpose(shape: View, state: View, b, row, point, count):
 
 @ti.func
 def pivot_velocity(body: View, stream: View, b, n):
-    """Velocity of the pivot relative to the free stream, along e_y and e_z (Eq. 6 with y = W = 0)."""
+    """Velocity of the pivot relative to the free stream, along e_y and e_z (Eq. 6 with y = W = 0, and surge)."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    along = body.motion[b, n, PLUNGE_RATE] - stream[b, 1]
-    return along * sine - stream[b, 0] * cosine, along * cosine + stream[b, 0] * sine
+    along_y = body.motion[b, n, SURGE_RATE] - stream[b, 0]
+    along_z = body.motion[b, n, PLUNGE_RATE] - stream[b, 1]
+    return along_z * sine + along_y * cosine, along_z * cosine - along_y * sine
+
+
+@ti.func
+def pivot_heave(body: View, b, n):
+    """Acceleration of the pivot along e_z (Eq. 7 with y = W = 0, and surge)."""
+    across = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
+    return across - body.motion[b, n, SURGE_ACCEL] * body.motion[b, n, SINE]

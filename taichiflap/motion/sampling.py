@@ -1,4 +1,4 @@
-"""Prescribed motion of the pivot: plunge Z and pitch theta, with exact first and second derivatives.
+"""Prescribed motion of the pivot: plunge Z, pitch theta and surge Y, with exact first and second derivatives.
 
 Table 2 of Reade & Jankauski (2020) and other kinds. A motion is sampled once, at all steps of a case, before the march.
 """
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..case.motion import Motion, Travel
 from . import waveforms
 
-PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL = range(6)
+PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL, SURGE, SURGE_RATE, SURGE_ACCEL = range(9)
 """Columns of a sampled motion."""
 
 NOISE = 1e-9
@@ -30,11 +30,10 @@ def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
     """Motion at `times` (s).
 
     Returns:
-        Shape (times, 6): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2.
+        Shape (times, 9): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2, Y (m), dY/dt, d2Y/dt2.
     """
-    return np.hstack(
-        [sample_axis(axis, motion.frequency, motion.growth, times) for axis in (motion.plunge, motion.pitch)]
-    )
+    axes = (motion.plunge, motion.pitch, motion.surge)
+    return np.hstack([sample_axis(axis, motion.frequency, motion.growth, times) for axis in axes])
 
 
 def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
@@ -93,13 +92,13 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
     """
     moved = sample(motion, times)
     turning = behind * moved[:, PITCH_RATE]
-    along_y = -turning * np.sin(moved[:, PITCH]) - stream[0]
+    along_y = moved[:, SURGE_RATE] - turning * np.sin(moved[:, PITCH]) - stream[0]
     along_z = moved[:, PLUNGE_RATE] + turning * np.cos(moved[:, PITCH]) - stream[1]
     return math.sqrt(np.mean(along_y**2 + along_z**2))
 
 
 def sample_axis(axis: Travel, frequency: float | None, growth: float, times: NDArray[np.floating]) -> Array:
-    """Plunge or pitch at `times` (s) with its derivatives, shape (times, 3).
+    """Plunge, pitch or surge at `times` (s) with its derivatives, shape (times, 3).
 
     Args:
         frequency: of what repeats, Hz.

@@ -31,6 +31,7 @@ _SPIN = "positive counter-clockwise in (Y, Z)"
 
 VARIABLES = {
     "plunge": Variable(("time",), "m", "position of the pivot along Z", "Z", _INERTIAL),
+    "surge": Variable(("time",), "m", "position of the pivot along Y", "Y", _INERTIAL),
     "pitch": Variable(("time",), "rad", "pitch angle of the undeformed chord", "theta", _SPIN),
     "q": Variable(("time", "mode"), "m kg0.5", "modal amplitude", "q_k", "mass-normalised modes"),
     "q_rate": Variable(("time", "mode"), "m kg0.5 s-1", "rate of the modal amplitude", "dq_k/dt"),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from .. import fluids
 from ..case.case import Case
 from ..motion import sampling
-from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE, SURGE_RATE
 from ..structure import beam
 from ..structure.chordwise import Profile
 
@@ -110,7 +110,7 @@ def _of_speed(case: Case) -> Iterator[str]:
 
 
 def _of_tables(case: Case) -> Iterator[str]:
-    for name, travel in (("plunge", case.motion.plunge), ("pitch", case.motion.pitch)):
+    for name, travel in (("plunge", case.motion.plunge), ("pitch", case.motion.pitch), ("surge", case.motion.surge)):
         points = travel.in_si().get("points")
         if points and not travel.repeats and points[-1][0] > LONGER * case.duration:
             yield (
@@ -127,7 +127,8 @@ def _angle(case: Case) -> float:
     """Mean angle (degrees) of the flow to the rigid chord at its middle, weighted by the square of the flow's speed."""
     moved = sampling.sample(case.motion, _last_beat(case))
     cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
-    stream_y, stream_z = case.fluid.velocity[0], case.fluid.velocity[1] - moved[:, PLUNGE_RATE]
+    stream_y = case.fluid.velocity[0] - moved[:, SURGE_RATE]
+    stream_z = case.fluid.velocity[1] - moved[:, PLUNGE_RATE]
     along = stream_y * cosine + stream_z * sine
     across = stream_z * cosine - stream_y * sine - (0.5 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
     pressure = along**2 + across**2

@@ -15,7 +15,7 @@ from ...case.case import Case
 from ...kernels import linear
 from ...kernels.runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets2, Octets3, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, array, most_modes, pivot_velocity, zeros
-from ...motion.sampling import PITCH_RATE, PLUNGE
+from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
 from ...vortex.sum import CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet
@@ -120,7 +120,7 @@ def lay_panels(body: View, flow: View, b, n):
     modes = body.modes[b]
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    pivot = body.motion[b, n, PLUNGE]
+    o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
     for i in range(flow.panels[b] + 1):
         flow.node[b, Z, i] = deflect(flow, body.q_guess, b, AMPLITUDE, NODE, i, modes)
         flow.node[b, 2, i] = deflect(flow, body.q_known, b, RATE, NODE, i, modes)
@@ -132,10 +132,10 @@ def lay_panels(body: View, flow: View, b, n):
             deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX_SLOPE, i, modes), b, i)  # fmt: skip
         put(flow.point, deflect(flow, body.q_guess, b, AMPLITUDE, POINT, i, modes),
             deflect(flow, body.q_guess, b, AMPLITUDE, POINT_SLOPE, i, modes), b, i)  # fmt: skip
-        flow.bound[b, Y, i] = cosine * flow.vortex[b, Y, i] - sine * flow.vortex[b, Z, i]
-        flow.bound[b, Z, i] = pivot + sine * flow.vortex[b, Y, i] + cosine * flow.vortex[b, Z, i]
-        flow.control[b, Y, i] = cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
-        flow.control[b, Z, i] = pivot + sine * flow.point[b, Y, i] + cosine * flow.point[b, Z, i]
+        flow.bound[b, Y, i] = o_y + cosine * flow.vortex[b, Y, i] - sine * flow.vortex[b, Z, i]
+        flow.bound[b, Z, i] = o_z + sine * flow.vortex[b, Y, i] + cosine * flow.vortex[b, Z, i]
+        flow.control[b, Y, i] = o_y + cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
+        flow.control[b, Z, i] = o_z + sine * flow.point[b, Y, i] + cosine * flow.point[b, Z, i]
 
 
 @ti.func
@@ -155,11 +155,11 @@ def guard(body: View, flow: View, wakes: View, b, n):
     """
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    pivot = body.motion[b, n, PLUNGE]
+    o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
     last = flow.panels[b]
     for m in range(wakes.ring[b, COUNT]):
-        up = wakes.vortex[b, Z, m] - pivot
-        y = cosine * wakes.vortex[b, Y, m] + sine * up
+        d_y, d_z = wakes.vortex[b, Y, m] - o_y, wakes.vortex[b, Z, m] - o_z
+        y = cosine * d_y + sine * d_z
         gap = 0.0
         if flow.node[b, Y, 0] < y < flow.node[b, Y, last]:
             low, high = 0, last
@@ -170,9 +170,7 @@ def guard(body: View, flow: View, wakes: View, b, n):
                 else:
                     high = half
             share = (y - flow.node[b, Y, low]) / (flow.node[b, Y, high] - flow.node[b, Y, low])
-            gap = (
-                cosine * up - sine * wakes.vortex[b, Y, m] - between(flow.node[b, Z, low], flow.node[b, Z, high], share)
-            )
+            gap = cosine * d_z - sine * d_y - between(flow.node[b, Z, low], flow.node[b, Z, high], share)
         if gap * wakes.vortex[b, GAP, m] < 0.0:
             wakes.ring[b, CROSSINGS] = wakes.ring[b, CROSSINGS] + 1
             if wakes.setting[b, REFLECTS] > 0.0:
@@ -212,10 +210,10 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
         across = share * (u_z * t_y - u_y * t_z)
     y = flow.node[b, Y, edge] + along * t_y - across * t_z
     z = flow.node[b, Z, edge] + along * t_z + across * t_y
-    pivot = body.motion[b, n, PLUNGE]
+    o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
     middle = flow.panels[b] // 2
     merging.make_room(wakes, b, flow.bound[b, Y, middle], flow.bound[b, Z, middle], absorbing)
-    wake.shed(wakes, b, n, cosine * y - sine * z, pivot + sine * y + cosine * z)
+    wake.shed(wakes, b, n, o_y + cosine * y - sine * z, o_z + sine * y + cosine * z)
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.panels[b]):
         dy = flow.point[b, Y, i] - y

@@ -6,7 +6,7 @@ expected before the step's acceleration is known. The suction at the leading edg
 
 from ...kernels.runtime import Octet, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_velocity
-from ...motion.sampling import PITCH_RATE, PLUNGE
+from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import CIRCULATION, INV_2PI, TINY, Y, Z, induce, octet, store_octet
 from .lattice import ACROSS, ALONG, FACTOR, FORCE, circulation_at, deflect
 from .stations import EDGE_SLOPE, NODE, POINT, VORTEX
@@ -94,8 +94,9 @@ def suck(body: View, flow: View, wakes: View, b, n):
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
-    place = body.motion[b, n, PLUNGE] + sine * y + cosine * z
-    v_y, v_z = induced(flow, wakes, Octet(cosine * y - sine * z), Octet(place), b)
+    edge_y = body.motion[b, n, SURGE] + cosine * y - sine * z
+    edge_z = body.motion[b, n, PLUNGE] + sine * y + cosine * z
+    v_y, v_z = induced(flow, wakes, Octet(edge_y), Octet(edge_z), b)
     u_y = cosine * v_y[0] + sine * v_z[0] - p_y + theta_rate * z
     u_z = cosine * v_z[0] - sine * v_y[0] - p_z - theta_rate * y
     u_z -= deflect(flow, body.q_guess, b, RATE, NODE, 0, body.modes[b])
