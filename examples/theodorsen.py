@@ -18,6 +18,7 @@ import math
 import numpy as np
 
 from taichiflap.errors import UserError
+from taichiflap.kernels.arrays import array, zeros
 from taichiflap.kernels.runtime import Floats2, Floats3, Singles3, View, ti
 from taichiflap.march.state import (
     ACCEL,
@@ -27,18 +28,16 @@ from taichiflap.march.state import (
     C0,
     C1,
     C2,
-    COSINE,
     MOMENT,
     NORMAL,
     RATE,
     UNSTEADY,
-    array,
     most_modes,
+    pivot_heave,
     pivot_velocity,
     superpose,
-    zeros,
 )
-from taichiflap.motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL
+from taichiflap.motion.sampling import PITCH_ACCEL, PITCH_RATE
 from taichiflap.structure.chordwise import Profile
 
 ELEMENTS = 64
@@ -164,7 +163,7 @@ def load_modes(body: View, flow: View, b, n, rule):
     p_y, _ = pivot_velocity(body, flow.stream, b, n)
     turn = body.motion[b, n, PITCH_RATE] + superpose(flow.mean, body.q_known, b, RATE, TURN, modes)
     middle = 0.5 * flow.constant[b, CHORD] - flow.constant[b, AHEAD]
-    rise = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE] + middle * body.motion[b, n, PITCH_ACCEL]
+    rise = pivot_heave(body, b, n) + middle * body.motion[b, n, PITCH_ACCEL]
     gain = 1.0
     kept = 0.0
     for i in ti.static(range(2)):

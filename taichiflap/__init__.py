@@ -10,7 +10,7 @@ Importing the package loads none of its heavy parts; they come with the first us
 from typing import TYPE_CHECKING, Any
 
 from ._version import __version__
-from .doors import lazy
+from .doors import lazy, leave_words
 
 if TYPE_CHECKING:
     from .case.case import Case, CaseError, load_case
@@ -50,6 +50,7 @@ __all__ = [
 ]
 
 
+leave_words()
 _fetch = lazy(__name__, _HOMES)
 
 

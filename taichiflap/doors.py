@@ -1,8 +1,24 @@
-"""Lazy doors: the public names of a package come from its modules at their first use."""
+"""Lazy doors: a package's public names come from its modules at their first use, and old module names still answer."""
 
 import importlib
+import sys
+import warnings
 from collections.abc import Callable, Mapping
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
 from typing import Any
+
+MOVED = {
+    "taichiflap.beam": "taichiflap.structure.beam",
+    "taichiflap.body": "taichiflap.march.state",
+    "taichiflap.linear": "taichiflap.kernels.linear",
+    "taichiflap.profile": "taichiflap.structure.chordwise",
+    "taichiflap.profiles": "taichiflap.motion.waveforms",
+    "taichiflap.runtime": "taichiflap.kernels.runtime",
+    "taichiflap.variables": "taichiflap.results.variables",
+}
+"""Modules of version 0.1 that users may import, and where they are now. The old names go in version 0.3."""
 
 
 def lazy(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
@@ -19,3 +35,27 @@ def lazy(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
         return getattr(importlib.import_module(f".{homes[name]}", package), name)
 
     return fetch
+
+
+class Moved(MetaPathFinder, Loader):
+    """Imports a module of `MOVED` under its old name, with a warning."""
+
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+        return ModuleSpec(name, self) if name in MOVED else None
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        home = MOVED[spec.name]
+        warnings.warn(f"{spec.name} is now {home}", DeprecationWarning, stacklevel=2)
+        module = importlib.import_module(home)
+        self._own = module.__spec__
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        # Python has put the old name's spec in its place.
+        module.__spec__ = self._own
+
+
+def leave_words() -> None:
+    """Let modules that moved answer to their old names."""
+    if not any(isinstance(finder, Moved) for finder in sys.meta_path):
+        sys.meta_path.append(Moved())

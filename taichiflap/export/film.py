@@ -18,7 +18,7 @@ from PIL import Image
 
 from .. import files
 from ..drawing import palette, scene
-from ..extras import extra
+from ..errors import extra
 from ..notation import prefixed
 from ..results.reader import Result
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..case.case import Case
 from ..kernels import linear
+from ..kernels.arrays import array, octet_array
 from ..kernels.runtime import Floats1, Floats2, Ints1, Octet, Octets3, Singles3, View, ti
 from ..march.state import (
     ACCEL,
@@ -25,9 +26,7 @@ from ..march.state import (
     NORMAL,
     RATE,
     UNSTEADY,
-    array,
     most_modes,
-    octet_array,
     pivot_heave,
     pivot_velocity,
 )

@@ -16,8 +16,7 @@ import h5py
 import numpy as np
 
 from ..case.case import Case, CaseError
-from ..errors import UserError
-from ..extras import extra
+from ..errors import UserError, extra
 from ..results import hdf, integrity
 from ..results.integrity import DAMAGE
 from ..results.reader import first_line

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..case.case import Case
-from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Octet, View, ti, view
+from ..kernels.arrays import array, zeros
+from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, View, ti
 from ..motion import sampling
 from ..motion.sampling import PITCH, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
 from ..structure import beam
@@ -102,28 +103,6 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.
 def most_modes(sections: Sequence[beam.Modes]) -> int:
     """Room for modes that a batch needs: never none, so that no array is empty."""
     return max(1, *(section.count for section in sections))
-
-
-def array(values: Any, dtype: type | None = None) -> Any:
-    """A Taichi array of doubles or 32-bit integers that holds `values`."""
-    values = np.asarray(values, dtype=dtype)
-    made = ti.ndarray(ti.f64 if values.dtype.kind == "f" else ti.i32, values.shape)
-    view(made)[...] = values
-    return made
-
-
-def octet_array(values: np.ndarray) -> Any:
-    """A Taichi array of octets that holds `values`, whose last axis is a multiple of eight."""
-    made = ti.ndarray(Octet, (*values.shape[:-1], values.shape[-1] // 8))
-    view(made)[...] = values.reshape(*made.shape, 8)
-    return made
-
-
-def zeros(dtype: Any, *shape: int) -> Any:
-    """A Taichi array of zeros."""
-    made = ti.ndarray(dtype, shape)
-    view(made)[...] = 0
-    return made
 
 
 @ti.func

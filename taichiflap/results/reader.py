@@ -12,8 +12,7 @@ import h5py
 import numpy as np
 
 from ..case.case import Case, CaseError, parse_case
-from ..errors import UserError
-from ..extras import extra
+from ..errors import UserError, extra
 from . import integrity
 from .integrity import DAMAGE, DamageError
 from .variables import COMPONENTS, MODE_VARIABLES, VARIABLES, WAKE_VARIABLES

@@ -8,8 +8,7 @@ from typing import Any
 
 from .._version import __version__
 from ..case.case import Case
-from ..errors import UserError
-from ..extras import extra
+from ..errors import UserError, extra
 from ..maps.outcome import Outcome
 from .batch import Batch, compute
 

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels.arrays import zeros
 from ..kernels.runtime import Floats1, Floats3, Ints1, Ints2, Octet, View, ti, view
-from ..march.state import zeros
 from .sum import CIRCULATION, CORE2, INV_2PI, Y, Z, induce
 
 ORDER = 12

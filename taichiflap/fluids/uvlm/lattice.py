@@ -13,8 +13,9 @@ import numpy as np
 
 from ...case.case import Case
 from ...kernels import linear
+from ...kernels.arrays import array, zeros
 from ...kernels.runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets2, Octets3, View, ti
-from ...march.state import AMPLITUDE, COSINE, RATE, SINE, array, most_modes, pivot_velocity, zeros
+from ...march.state import AMPLITUDE, COSINE, RATE, SINE, most_modes, pivot_velocity
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ...case.case import Case
+from ...kernels.arrays import array
 from ...kernels.linear import octets
 from ...kernels.runtime import LANE, Floats2, Floats3, Ints1, View, available_threads, tasks, ti, view
-from ...march.state import array
 from ...motion.sampling import typical_speed
 from ...vortex import multipole
 from ...vortex.multipole import Tree, expand, induce_by_tree, octet_at

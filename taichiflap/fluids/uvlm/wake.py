@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from ...case.case import Case
+from ...kernels.arrays import array, zeros
 from ...kernels.runtime import Floats2, Floats3, Ints2, Singles3, View, ti
-from ...march.state import array, zeros
 from ...vortex.sum import (
     CIRCULATION,
     CORE2,
