@@ -86,7 +86,7 @@ def predict(body: View, b, n, rule):
 
 @ti.func
 def accelerate(body: View, b, n, rule):
-    """Solve the modal equation for the acceleration and update amplitudes and rates with it."""
+    """Solve the modal equation (Eq. 11, with the modal force of Eqs 14-16) and update amplitudes and rates."""
     modes = body.modes[b]
     beta = rule[BETA]
     heave = bodies.pivot_heave(body, b, n)
