@@ -1,4 +1,4 @@
-"""The index from the paper's equation numbers to functions, read from their docstrings; writes `theory/equations.md`."""
+"""The index from the paper's equations to functions, read from their docstrings; writes `theory/equations.md`."""
 
 import ast
 import re
