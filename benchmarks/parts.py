@@ -7,6 +7,7 @@ from typing import Any
 
 from taichiflap.fluids.uvlm import lattice, wake
 from taichiflap.fluids.uvlm import model as uvlm
+from taichiflap.fluids.uvlm.lattice import PANELS
 from taichiflap.kernels.runtime import View, ti
 
 AGAIN = 4
@@ -40,7 +41,9 @@ def _doing_again(part: str) -> Any:
         if ti.static(part == "convect"):
             for _ in range(AGAIN if n > 0 else 0):
                 # For no time at all, so that nothing moves.
-                wake.convect(batch.wake, batch.flow.bound, batch.flow.panels[b], batch.flow.stream, b, n, 0.0, False)
+                wake.convect(
+                    batch.wake, batch.flow.bound, batch.flow.size[b, PANELS], batch.flow.stream, b, n, 0.0, False
+                )
         if ti.static(part == "assemble"):
             for _ in range(AGAIN):
                 lattice.assemble(batch.body, batch.flow, b, n)

@@ -28,6 +28,7 @@ from websockets.sync.client import connect
 import taichiflap
 from taichiflap import fluids
 from taichiflap.fluids.uvlm import wake
+from taichiflap.fluids.uvlm.lattice import TOTAL
 from taichiflap.kernels.runtime import view
 from taichiflap.march.march import March
 
@@ -53,7 +54,7 @@ def march(*settings):
     for beat in range(BEATS):
         marched.advance(case.steps // BEATS)
         held = int(view(vortices.ring)[0, wake.COUNT])
-        bound = view(flow.total)[0]
+        bound = view(flow.scalar)[0, TOTAL]
         shed = view(vortices.vortex)[0, 2, :held].sum() + view(vortices.tally)[0, wake.DROPPED]
         drift, largest = max(drift, abs(shed + bound)), max(largest, abs(bound))
         if beat == BEATS // 10:

@@ -14,7 +14,7 @@ import numpy as np
 from ...case.case import Case
 from ...kernels import linear
 from ...kernels.arrays import array, zeros
-from ...kernels.runtime import Floats1, Floats2, Floats3, Floats4, Ints1, Octet, Octets2, Octets3, View, ti
+from ...kernels.runtime import Floats2, Floats3, Floats4, Ints2, Octet, Octets2, Octets3, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, most_modes, pivot_velocity
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...structure.beam import Modes
@@ -27,13 +27,18 @@ from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, GAP, REFLECTS, YOUNGES
 
 ALONG, ACROSS = 2, 3
 """Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
-FACTOR, FORCE = range(2)
-"""Columns of `suction`: N s2/m2 (`spacing.suction_factor`; 0: none), and N, as expected."""
+PANELS, WHOLE = range(2)
+"""Columns of `size`: number of panels, and 1 where the pressure counts whole panels (`loads = "panels"`)."""
+DENSITY, FACTOR = range(2)
+"""Columns of `constant`: of the fluid, kg/m3; suction over the square of the through-flow at the leading edge, N s2/m2
+(`spacing.suction_factor`; 0: none)."""
+TOTAL, SUCTION = range(2)
+"""Columns of `scalar`: bound circulation one step earlier, m2/s, and the suction, N, as expected."""
 
 Lattice = ti.types.argpack(
-    panels=Ints1,
-    whole=Ints1,  # 1: the pressure counts whole panels (`loads = "panels"`)
-    density=Floats1,
+    size=Ints2,  # what a case gives and what its march keeps, one row a case: see the names of their columns
+    constant=Floats2,
+    scalar=Floats2,
     span=Floats2,  # mean span of every panel
     stream=Floats2,
     shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.fluids.uvlm.stations
@@ -46,9 +51,7 @@ Lattice = ti.types.argpack(
     wash=Floats3,  # velocity of the wake at the control points, in wing axes
     new=Floats3,  # and of a new vortex of unit circulation
     slip=Floats3,  # row 0: tangential velocity of the fluid past the panel, as expected
-    suction=Floats2,
     sums=Floats3,  # circulation ahead of and on each panel, one step earlier and two
-    total=Floats1,  # bound circulation, one step earlier
     pressure=Floats2,
     matrix=Octets3,  # and the right-hand sides, while they are solved
     solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode
@@ -63,17 +66,17 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     modes = most_modes(sections)
     node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
     shape = np.zeros((count, modes, TABLES, most + 1))
-    suction, span = np.zeros((count, 2)), np.zeros((count, most))
+    constant, span = np.zeros((count, 2)), np.zeros((count, most))
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
         at, panels = spacing.stations(case), case.uvlm.panels
         node[b, Y, : panels + 1], vortex[b, Y, :panels], point[b, Y, :panels] = at.node, at.vortex, at.point
         shape[b, : section.count, :, : panels + 1] = spacing.tables(case, section.shape, section.slope)
         span[b, :panels] = Profile.of(case.wing.span).means(at.node / case.wing.chord + case.wing.pivot)
-        suction[b, FACTOR] = spacing.suction_factor(case) if case.uvlm.suction else 0.0
+        constant[b] = case.fluid.density, spacing.suction_factor(case) if case.uvlm.suction else 0.0
     return Lattice(
-        panels=array([case.uvlm.panels for case in cases]),
-        whole=array([int(case.uvlm.loads == "panels") for case in cases]),
-        density=array([case.fluid.density for case in cases], float),
+        size=array([[case.uvlm.panels, int(case.uvlm.loads == "panels")] for case in cases]),
+        constant=array(constant),
+        scalar=zeros(ti.f64, count, 2),
         span=array(span),
         stream=array([case.fluid.velocity for case in cases], float),
         shape=array(shape),
@@ -86,9 +89,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
         wash=zeros(ti.f64, count, 2, most),
         new=zeros(ti.f64, count, 2, most),
         slip=zeros(ti.f64, count, 2, most),
-        suction=array(suction),
         sums=zeros(ti.f64, count, 2, most),
-        total=zeros(ti.f64, count),
         pressure=zeros(ti.f64, count, most),
         matrix=zeros(Octet, count, most, most // 8 + linear.octets(modes + 1)),
         solution=zeros(ti.f64, count, modes + 1, most),
@@ -122,10 +123,10 @@ def lay_panels(body: View, flow: View, b, n):
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
-    for i in range(flow.panels[b] + 1):
+    for i in range(flow.size[b, PANELS] + 1):
         flow.node[b, Z, i] = deflect(flow, body.q_guess, b, AMPLITUDE, NODE, i, modes)
         flow.node[b, 2, i] = deflect(flow, body.q_known, b, RATE, NODE, i, modes)
-    for i in range(flow.panels[b]):
+    for i in range(flow.size[b, PANELS]):
         dy = flow.node[b, Y, i + 1] - flow.node[b, Y, i]
         dz = flow.node[b, Z, i + 1] - flow.node[b, Z, i]
         flow.length[b, i] = ti.sqrt(dy * dy + dz * dz)
@@ -157,7 +158,7 @@ def guard(body: View, flow: View, wakes: View, b, n):
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
-    last = flow.panels[b]
+    last = flow.size[b, PANELS]
     for m in range(wakes.ring[b, COUNT]):
         d_y, d_z = wakes.vortex[b, Y, m] - o_y, wakes.vortex[b, Z, m] - o_z
         y = cosine * d_y + sine * d_z
@@ -188,7 +189,7 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
     Fixed rule: a distance along the tangent there. Local rule: a share of the trailing edge's path relative to the
     flow that carried the youngest vortex; never ahead of the edge, never closer than the least travel.
     """
-    edge = flow.panels[b]
+    edge = flow.size[b, PANELS]
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     t_y = flow.point[b, ALONG, edge - 1]
@@ -212,11 +213,11 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
     y = flow.node[b, Y, edge] + along * t_y - across * t_z
     z = flow.node[b, Z, edge] + along * t_z + across * t_y
     o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
-    middle = flow.panels[b] // 2
+    middle = flow.size[b, PANELS] // 2
     merging.make_room(wakes, b, flow.bound[b, Y, middle], flow.bound[b, Z, middle], absorbing)
     wake.shed(wakes, b, n, o_y + cosine * y - sine * z, o_z + sine * y + cosine * z)
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
-    for i in range(flow.panels[b]):
+    for i in range(flow.size[b, PANELS]):
         dy = flow.point[b, Y, i] - y
         dz = flow.point[b, Z, i] - z
         strength = INV_2PI / (dy * dy + dz * dz + core2)
@@ -229,7 +230,7 @@ def wash_panels(body: View, flow: View, wakes: View, b, n):
     """Velocity of the wake at the control points, along e_y and e_z."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    for block in range((flow.panels[b] + 7) // 8):
+    for block in range((flow.size[b, PANELS] + 7) // 8):
         y = octet(flow.control, b, Y, 8 * block)
         z = octet(flow.control, b, Z, 8 * block)
         u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
@@ -247,18 +248,18 @@ def assemble(body: View, flow: View, b, n):
     modes = body.modes[b]
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
-    for i in range(flow.panels[b]):
+    for i in range(flow.size[b, PANELS]):
         t_y = flow.point[b, ALONG, i]
         t_z = flow.point[b, ACROSS, i]
         new = flow.new[b, Z, i] * t_y - flow.new[b, Y, i] * t_z
-        for block in range((flow.panels[b] + 7) // 8):
+        for block in range((flow.size[b, PANELS] + 7) // 8):
             dy = flow.point[b, Y, i] - octet(flow.vortex, b, Y, 8 * block)
             dz = flow.point[b, Z, i] - octet(flow.vortex, b, Z, 8 * block)
             flow.matrix[b, i, block] = INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz) - new
         u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.wash[b, Y, i]
         u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.wash[b, Z, i]
         u_z += deflect(flow, body.q_known, b, RATE, POINT, i, modes)
-        flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.total[b]
+        flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.scalar[b, TOTAL]
         for k in range(modes):
             flow.solution[b, k + 1, i] = flow.shape[b, k, POINT, i] * t_y
 
@@ -266,7 +267,7 @@ def assemble(body: View, flow: View, b, n):
 @ti.func
 def solve(body: View, flow: View, b):
     """Circulations for no modal acceleration and for a unit rate of every mode."""
-    linear.solve(flow.matrix, flow.solution, flow.factor, b, flow.panels[b], body.modes[b] + 1)
+    linear.solve(flow.matrix, flow.solution, flow.factor, b, flow.size[b, PANELS], body.modes[b] + 1)
 
 
 @ti.func

@@ -13,11 +13,12 @@ import numpy as np
 from ...case.case import Case
 from ...kernels.arrays import array
 from ...kernels.linear import octets
-from ...kernels.runtime import LANE, Floats2, Floats3, Ints1, View, available_threads, tasks, ti, view
+from ...kernels.runtime import LANE, Floats2, Floats3, Ints1, Ints2, View, available_threads, tasks, ti, view
 from ...motion.sampling import typical_speed
 from ...vortex import multipole
 from ...vortex.multipole import Tree, expand, induce_by_tree, octet_at
 from ...vortex.sum import CORE2, TINY, Y, Z, induce
+from .lattice import PANELS
 from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow, ring_size
 
 WIDE = 3000
@@ -61,8 +62,8 @@ class LongWakes:
         blocks = octets(int(counts.max()))
         flow = self._flow
         if self._single:
-            _narrow_all(self._wakes, self._ready, flow.bound, flow.panels)
-        _carry_all(self._wakes, self._tree, self._ready, flow.bound, flow.panels, flow.stream, n, blocks, self._lanes)
+            _narrow_all(self._wakes, self._ready, flow.bound, flow.size)
+        _carry_all(self._wakes, self._tree, self._ready, flow.bound, flow.size, flow.stream, n, blocks, self._lanes)
 
     def _room(self) -> int:
         return max([ring_size(case) for case in self._cases if case.uvlm.far_error], default=0)
@@ -95,11 +96,11 @@ def _expand_all(tree: Tree, leaves: ti.i32, cases: ti.i32, lanes: ti.i32):
 
 
 @ti.kernel
-def _narrow_all(wakes: Wake, ready: Ints1, bound: Floats3, panels: Ints1):
+def _narrow_all(wakes: Wake, ready: Ints1, bound: Floats3, size: Ints2):
     ti.loop_config(serialize=True)
     for b in range(ready.shape[0]):
         if ready[b] == 1 and wakes.setting[b, SINGLE] > 0.0:
-            narrow(wakes, bound, panels[b], b)
+            narrow(wakes, bound, size[b, PANELS], b)
 
 
 @ti.kernel
@@ -108,7 +109,7 @@ def _carry_all(
     tree: Tree,
     ready: Ints1,
     bound: Floats3,
-    panels: Ints1,
+    size: Ints2,
     stream: Floats2,
     n: ti.i32,
     blocks: ti.i32,
@@ -123,11 +124,11 @@ def _carry_all(
                 if ready[b] == 1 and 8 * block < wakes.ring[b, COUNT]:
                     if wakes.setting[b, SINGLE] > 0.0:
                         if block % 2 == 0:
-                            carry_single(wakes, panels[b], stream, b, 8 * block)
+                            carry_single(wakes, size[b, PANELS], stream, b, 8 * block)
                     elif tree.count[b] == 0:
-                        carry(wakes, bound, panels[b], stream, b, 8 * block)
+                        carry(wakes, bound, size[b, PANELS], stream, b, 8 * block)
                     else:
-                        carry_by_tree(wakes, tree, bound, panels[b], stream, b, 8 * block)
+                        carry_by_tree(wakes, tree, bound, size[b, PANELS], stream, b, 8 * block)
                         if block == n % ((wakes.ring[b, COUNT] + 7) // 8):
                             compare(wakes, tree, b, 8 * block)
                     if block == 0:

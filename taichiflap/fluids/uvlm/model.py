@@ -15,7 +15,7 @@ from ...march.state import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
 from ...structure.beam import Modes
 from ...vortex.sum import CIRCULATION, Y, Z
 from . import lattice, tangential, wake
-from .lattice import ACROSS, ALONG, FACTOR, between, circulation_at
+from .lattice import ACROSS, ALONG, DENSITY, FACTOR, PANELS, TOTAL, WHOLE, between, circulation_at
 from .long_wake import LongWakes
 from .stations import ACT, AHEAD, BEHIND, NODE
 from .wake import COUNT, CROSSINGS, FAR_ERROR, KEEP, OLDEST, YOUNGEST
@@ -120,8 +120,8 @@ def load_modes(body: View, flow: View, b, rule, used: View):
     for column in range(modes + 1):
         running = 0.0
         change_ahead = 0.0
-        for i in range(flow.panels[b]):
-            scale = -flow.density[b] * flow.span[b, i]
+        for i in range(flow.size[b, PANELS]):
+            scale = -flow.constant[b, DENSITY] * flow.span[b, i]
             circulation = flow.solution[b, column, i]
             running += circulation
             change = rule[C0] * running
@@ -138,7 +138,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
                     body.response[b, j, column - 1] = body.response[b, j, column - 1] + rule[BETA] * scale * share
             change_ahead = change
     if ti.static(used.suction):
-        if flow.suction[b, FACTOR] > 0.0:
+        if flow.constant[b, FACTOR] > 0.0:
             _, normal = tangential.suction_force(body, flow, b)
             for j in range(modes):
                 body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
@@ -149,7 +149,7 @@ def acting_tangent(flow: View, b, i):
     """Tangent where a panel's steady force acts."""
     along = flow.vortex[b, ALONG, i]
     across = flow.vortex[b, ACROSS, i]
-    if flow.whole[b] == 1:
+    if flow.size[b, WHOLE] == 1:
         along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.length[b, i]
         across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.length[b, i]
     return along, across
@@ -168,8 +168,8 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
     total_unsteady = 0.0
     running = 0.0
     change_ahead = 0.0
-    for i in range(flow.panels[b]):
-        scale = -flow.density[b] * flow.span[b, i]
+    for i in range(flow.size[b, PANELS]):
+        scale = -flow.constant[b, DENSITY] * flow.span[b, i]
         circulation = circulation_at(body, flow, body.q, b, i)
         running += circulation
         change = rule[C0] * running + rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
@@ -179,7 +179,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         y_0, z_0, y_1, z_1 = flow.node[b, Y, i], flow.node[b, Z, i], flow.node[b, Y, i + 1], flow.node[b, Z, i + 1]
         y_step, z_step = flow.vortex[b, Y, i], flow.vortex[b, Z, i]
         y_act, z_act = y_step, z_step
-        if flow.whole[b] == 1:
+        if flow.size[b, WHOLE] == 1:
             y_step, z_step = y_0, z_0
             y_act, z_act = between(y_0, y_1, 0.5), between(z_0, z_1, 0.5)
         steady = scale * flow.slip[b, 0, i] * circulation
@@ -194,10 +194,10 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         total_moment += 0.5 * scale * (change_ahead * (middle - inner) + change * (outer - middle))
         flow.pressure[b, i] = normal / (flow.span[b, i] * (y_1 - y_0))
         change_ahead = change
-    wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.total[b] - running
-    flow.total[b] = running
+    wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.scalar[b, TOTAL] - running
+    flow.scalar[b, TOTAL] = running
     if ti.static(used.suction):
-        if flow.suction[b, FACTOR] > 0.0:
+        if flow.constant[b, FACTOR] > 0.0:
             axial, normal = tangential.suction_force(body, flow, b)
             total_normal += normal
             total_axial += axial
@@ -211,7 +211,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
 @ti.func
 def prepare(batch: View, b, n, rule, used: View):
     """Geometry and circulation of the coming step `n`, linear in the modal acceleration; its modal force."""
-    panels = batch.flow.panels[b]
+    panels = batch.flow.size[b, PANELS]
     if n > 0:
         dt = batch.body.dt[b]
         wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, dt, used.single_precision)
@@ -221,16 +221,16 @@ def prepare(batch: View, b, n, rule, used: View):
     lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
     lattice.assemble(batch.body, batch.flow, b, n)
     lattice.solve(batch.body, batch.flow, b)
-    if batch.flow.whole[b] == 1:
+    if batch.flow.size[b, WHOLE] == 1:
         tangential.past_points(batch.body, batch.flow, b, n)
     if ti.static(used.suction or used.loads_at_vortices):
-        if batch.flow.whole[b] == 0 or batch.flow.suction[b, FACTOR] > 0.0:
+        if batch.flow.size[b, WHOLE] == 0 or batch.flow.constant[b, FACTOR] > 0.0:
             tangential.expect_circulation(batch.body, batch.flow, batch.wake, b)
     if ti.static(used.loads_at_vortices):
-        if batch.flow.whole[b] == 0:
+        if batch.flow.size[b, WHOLE] == 0:
             tangential.past_vortices(batch.body, batch.flow, batch.wake, b, n)
     if ti.static(used.suction):
-        if batch.flow.suction[b, FACTOR] > 0.0:
+        if batch.flow.constant[b, FACTOR] > 0.0:
             tangential.suck(batch.body, batch.flow, batch.wake, b, n)
     load_modes(batch.body, batch.flow, b, rule, used)
 
@@ -243,8 +243,8 @@ def settle(batch: View, b, n, rule, used: View):
 
 @ti.func
 def record(batch: View, b, frame):
-    batch.film.circulation[b, frame] = batch.flow.total[b]
-    for i in range(batch.flow.panels[b]):
+    batch.film.circulation[b, frame] = batch.flow.scalar[b, TOTAL]
+    for i in range(batch.flow.size[b, PANELS]):
         batch.film.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
         batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.pressure[b, i], ti.f32)
     batch.film.wake_count[b, frame] = batch.wake.ring[b, COUNT]

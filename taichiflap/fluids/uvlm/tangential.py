@@ -8,7 +8,7 @@ from ...kernels.runtime import Octet, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_velocity
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import CIRCULATION, INV_2PI, TINY, Y, Z, induce, octet, store_octet
-from .lattice import ACROSS, ALONG, FACTOR, FORCE, circulation_at, deflect
+from .lattice import ACROSS, ALONG, FACTOR, PANELS, SUCTION, TOTAL, circulation_at, deflect
 from .stations import EDGE_SLOPE, NODE, POINT, VORTEX
 from .wake import COUNT, YOUNGEST
 
@@ -16,8 +16,8 @@ from .wake import COUNT, YOUNGEST
 @ti.func
 def new_circulation(body: View, flow: View, b):
     """Circulation of the new vortex at the expected modal rates (Kelvin)."""
-    new = flow.total[b]
-    for i in range(flow.panels[b]):
+    new = flow.scalar[b, TOTAL]
+    for i in range(flow.size[b, PANELS]):
         new -= circulation_at(body, flow, body.q_guess, b, i)
     return new
 
@@ -31,7 +31,7 @@ def past_points(body: View, flow: View, b, n):
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     new = new_circulation(body, flow, b)
-    for i in range(flow.panels[b]):
+    for i in range(flow.size[b, PANELS]):
         u_y = flow.wash[b, Y, i] + new * flow.new[b, Y, i] - p_y + theta_rate * flow.point[b, Z, i]
         u_z = flow.wash[b, Z, i] + new * flow.new[b, Z, i] - p_z - theta_rate * flow.point[b, Y, i]
         u_z -= deflect(flow, body.q_guess, b, RATE, POINT, i, body.modes[b])
@@ -41,7 +41,7 @@ def past_points(body: View, flow: View, b, n):
 @ti.func
 def expect_circulation(body: View, flow: View, wakes: View, b):
     """Give the bound vortices and the new one the circulation of the expected modal rates."""
-    for i in range(flow.panels[b]):
+    for i in range(flow.size[b, PANELS]):
         flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_guess, b, i)
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = new_circulation(body, flow, b)
 
@@ -50,7 +50,7 @@ def expect_circulation(body: View, flow: View, wakes: View, b):
 def induced(flow: View, wakes: View, y, z, b):
     """Velocity at eight places (Y, Z) from the wake and from all bound vortices but one that stands there."""
     w_y, w_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
-    b_y, b_z = induce(y, z, TINY, flow.bound, b, 0, flow.panels[b])
+    b_y, b_z = induce(y, z, TINY, flow.bound, b, 0, flow.size[b, PANELS])
     return w_y + b_y, w_z + b_z
 
 
@@ -65,11 +65,11 @@ def past_vortices(body: View, flow: View, wakes: View, b, n):
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    for block in range((flow.panels[b] + 7) // 8):
+    for block in range((flow.size[b, PANELS] + 7) // 8):
         u_y, u_z = induced(flow, wakes, octet(flow.bound, b, Y, 8 * block), octet(flow.bound, b, Z, 8 * block), b)
         store_octet(flow.slip, b, Y, 8 * block, cosine * u_y + sine * u_z)
         store_octet(flow.slip, b, Z, 8 * block, cosine * u_z - sine * u_y)
-    for i in range(flow.panels[b]):
+    for i in range(flow.size[b, PANELS]):
         t_y = flow.vortex[b, ALONG, i]
         t_z = flow.vortex[b, ACROSS, i]
         u_y = flow.slip[b, Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
@@ -101,12 +101,12 @@ def suck(body: View, flow: View, wakes: View, b, n):
     u_z = cosine * v_z[0] - sine * v_y[0] - p_z - theta_rate * y
     u_z -= deflect(flow, body.q_guess, b, RATE, NODE, 0, body.modes[b])
     through = (u_z - slope * u_y) / stretch
-    flow.suction[b, FORCE] = flow.suction[b, FACTOR] * stretch * through * through
+    flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * stretch * through * through
 
 
 @ti.func
 def suction_force(body: View, flow: View, b):
     """The suction along e_y and e_z: it pulls the leading edge forward along its tangent."""
     slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
-    forward = flow.suction[b, FORCE] / ti.sqrt(1.0 + slope * slope)
+    forward = flow.scalar[b, SUCTION] / ti.sqrt(1.0 + slope * slope)
     return -forward, -forward * slope
