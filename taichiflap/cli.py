@@ -13,6 +13,7 @@ from .commands import studies
 from .commands.interrupts import heard, interruptible
 from .commands.options import CaseFile, Settings, Threads
 from .errors import UserError
+from .notation import printable
 
 if TYPE_CHECKING:
     from .case.case import Case
@@ -32,7 +33,7 @@ def main() -> None:
         app()
     except UserError as error:
         for line in str(error).splitlines():
-            print(f"error: {line}", file=sys.stderr)
+            print(f"error: {printable(line)}", file=sys.stderr)
         sys.exit(error.exit_code)
 
 
@@ -108,11 +109,14 @@ def view(
         typer.Option(min=1, max=65535, metavar="N", help="port to listen at; a taken one gives way to the next"),
     ] = 8080,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open a browser")] = True,
+    trust: Annotated[
+        bool, typer.Option("--trust", help="run cases of a map whose solver is a module of your own: it is code")
+    ] = False,
 ) -> None:
     """Show a result or a map in the browser, even while it is being computed."""
     from taichiflap_viewer import view as show
 
-    show(files, host=host, port=port, browser=browser)
+    show(files, host=host, port=port, browser=browser, trust=trust)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""How numbers are written for people: engineering notation, and thousandths or millionths of a unit."""
+"""How numbers and texts are written for people: engineering notation, thousandths of a unit, one printable line."""
 
 from decimal import Decimal
 from typing import Any
@@ -38,3 +38,8 @@ def engineering(value: float) -> str:
 def short(value: Any) -> str:
     """A number in four digits, and anything else as it is."""
     return engineering(float(f"{value:.4g}")).removesuffix(".0") if isinstance(value, float) else str(value)
+
+
+def printable(text: str) -> str:
+    """A text on one line that steers no terminal and breaks no drawing: what cannot be printed is replaced."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

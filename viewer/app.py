@@ -10,6 +10,7 @@ from typing import Any
 
 from taichiflap import Result, open_result
 from taichiflap.maps.file import is_map
+from taichiflap.notation import printable
 from taichiflap.results.reader import PART, ResultError, part
 
 from . import camera, compare
@@ -150,12 +151,17 @@ def _open(path: Path) -> Result:
 
 
 def _labels(paths: Sequence[Path]) -> list[str]:
-    names = [path.name.removesuffix(PART).removesuffix(".h5") for path in paths]
-    return names if len(set(names)) == len(names) else [str(path) for path in paths]
+    names = [printable(path.name.removesuffix(PART).removesuffix(".h5")) for path in paths]
+    return names if len(set(names)) == len(names) else [printable(str(path)) for path in paths]
 
 
 def view(
-    paths: Sequence[str | Path], *, host: str = "127.0.0.1", port: int = 8080, browser: bool = True
+    paths: Sequence[str | Path],
+    *,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    browser: bool = True,
+    trust: bool = False,
 ) -> None:  # pragma: no cover
     """Show one result, or two compared, or a map, until interrupted.
 
@@ -163,12 +169,13 @@ def view(
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
         browser: open the system's browser, where there is one.
+        trust: run cases of a map whose fluid model is a module from elsewhere.
     """
     viewer: Server
     if len(paths) == 1 and is_map(Path(paths[0])):
         from .maps.viewer import MapViewer  # noqa: PLC0415 - a result does without
 
-        viewer = MapViewer(paths[0], host, port)
+        viewer = MapViewer(paths[0], host, port, trust=trust)
     else:
         viewer = Viewer(paths, host, port)
     try:

@@ -13,7 +13,9 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
 from ..errors import UserError
+from ..notation import printable
 from .dbet import Dbet
+from .document import DocumentError, check, names_no_file, own_case, read_text, read_toml
 from .fluid import Fluid
 from .messages import describe
 from .motion import Motion, TablePitch, TablePlunge
@@ -30,6 +32,8 @@ LEAST_STEPS = 4
 """Steps a period, or a run, that an automatic step is never longer than."""
 WITHIN_WORDS = str.maketrans("-.:", "___")
 """What a bare word of a setting may hold."""
+LONGEST_SHOWN = 60
+"""Characters of a wrong value that a message shows."""
 MOMENTS = 1024
 """Times at which the speed is looked at for it."""
 
@@ -39,8 +43,8 @@ class CaseError(UserError):
 
     def __init__(self, source: str, problems: list[str]) -> None:
         # One line each, whatever stands in the file.
-        problems = ["".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in one) for one in problems]
-        self.source, self.problems = source, problems
+        self.source, self.problems = source, [printable(one) for one in problems]
+        problems = self.problems
         super().__init__("\n".join(f"{source}: {problem}" for problem in problems))
 
 
@@ -170,7 +174,7 @@ class Case(Section):
         ]
         if problems:
             raise CaseError(source, problems)
-        return parse_case(document, source)
+        return parse_case(document, source, None)
 
     def _opened(self, keys: Iterable[str]) -> dict[str, Any]:
         """The case by section: as plain values where a key begins with its name, else as it is, checked already."""
@@ -199,39 +203,54 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Case:
     """
     path = Path(path)
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        document = read_toml(read_text(path))
     except FileNotFoundError:
         raise CaseError(str(path), [f"no such file{_nearest_file(path)}"]) from None
     except OSError as error:
         raise CaseError(str(path), [f"cannot be read: {error.strerror}"]) from None
     except UnicodeDecodeError:
         raise CaseError(str(path), [_no_text(path)]) from None
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(str(path), [f"not valid TOML: {error}"]) from None
-    except RecursionError:
-        raise CaseError(str(path), ["not a case file: tables nested too deeply"]) from None
+    except DocumentError as error:
+        raise CaseError(str(path), [str(error)]) from None
     return parse_case(apply_settings(document, settings, str(path)), str(path), path.parent)
 
 
-def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path = Path()) -> Case:
+def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path | None = Path()) -> Case:
     """Check a case given as nested dictionaries.
 
     Args:
         source: what the messages call it.
-        folder: where the files that it names are.
+        folder: where the files that it names are; None for a case that may name none.
 
     Raises:
         CaseError: with every problem found.
     """
     try:
-        document = with_points(document, folder)
+        check(document)
+        if folder is None:
+            names_no_file(document)
+        else:
+            document = with_points(document, folder)
         return Case.model_validate(document)
-    except PointsError as error:
+    except (DocumentError, PointsError) as error:
         raise CaseError(source, [str(error)]) from None
     except ValidationError as error:
         found = [detail for detail in error.errors(include_url=False) if detail["type"] != "none_required"]
         problems = [describe(detail, document, Case) for detail in found]
         raise CaseError(source, list(dict.fromkeys(problems))) from None
+
+
+def held_case(text: str, source: str) -> Case:
+    """The case within a result or a map, from a stranger perhaps: it opens no file, and its texts can be printed.
+
+    Raises:
+        CaseError: with every problem found.
+    """
+    try:
+        document = own_case(text)
+    except DocumentError as error:
+        raise CaseError(source, [str(error)]) from None
+    return parse_case(document, source, None)
 
 
 def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source: str) -> dict[str, Any]:
@@ -245,15 +264,15 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
     for setting in settings:
         key, equals, text = (part.strip() for part in setting.partition("="))
         if not equals or not key:
-            problems.append(f"--set {setting}: write KEY=VALUE, for example wing.modes=0")
+            problems.append(f"--set {_shown(setting)}: write KEY=VALUE, for example wing.modes=0")
             continue
         try:
             value = read_value(text)
         except ValueError as error:
-            problems.append(f"--set {setting}: {error}")
+            problems.append(f"--set {_shown(setting)}: {error}")
             continue
         if hit := _place(changed, key, value):
-            problems.append(f"--set {setting}: {hit} is a value, not a table")
+            problems.append(f"--set {_shown(setting)}: {hit} is a value, not a table")
     if problems:
         raise CaseError(source, problems)
     return changed
@@ -267,10 +286,14 @@ def read_value(text: str) -> Any:
     """
     try:
         return tomllib.loads(f"value = {text}")["value"]
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, OverflowError, RecursionError):
         if text.translate(WITHIN_WORDS).isidentifier():
             return text
-        raise ValueError(f'{text!r} is not a number, true, false, a "text" or a [list]') from None
+        raise ValueError(f'{_shown(text)!r} is not a number, true, false, a "text" or a [list]') from None
+
+
+def _shown(text: str) -> str:
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}..."
 
 
 def case_schema() -> dict[str, Any]:

@@ -9,6 +9,14 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo,
 
 from .schema import Section, as_tuple, key, needed
 
+MOST_HARMONICS = 100
+
+
+def _terms(value: Any) -> Any:
+    if isinstance(value, list) and len(value) > MOST_HARMONICS:
+        raise ValueError(f"has {len(value):,} terms; at most {MOST_HARMONICS}, or a table of points")
+    return _rows(value)
+
 
 def _rows(value: Any) -> Any:
     return tuple(as_tuple(row) for row in value) if isinstance(value, list) else value
@@ -19,8 +27,8 @@ _Phase = Annotated[float, Field(ge=-360, le=360, title="phase_deg")]
 _Length = Annotated[float, Field(ge=-100, le=100, title="m")]
 _Angle = Annotated[float, Field(ge=-360, le=360, title="deg")]
 _Moment = Annotated[float, Field(ge=-1e6, le=1e6, title="time")]
-LengthHarmonics = Annotated[tuple[tuple[_Order, _Length, _Phase], ...], BeforeValidator(_rows)]
-AngleHarmonics = Annotated[tuple[tuple[_Order, _Angle, _Phase], ...], BeforeValidator(_rows)]
+LengthHarmonics = Annotated[tuple[tuple[_Order, _Length, _Phase], ...], BeforeValidator(_terms)]
+AngleHarmonics = Annotated[tuple[tuple[_Order, _Angle, _Phase], ...], BeforeValidator(_terms)]
 LengthPoints = Annotated[tuple[tuple[_Moment, _Length], ...], BeforeValidator(_rows)]
 AnglePoints = Annotated[tuple[tuple[_Moment, _Angle], ...], BeforeValidator(_rows)]
 

@@ -26,10 +26,17 @@ class Section(BaseModel):
     @field_validator("*")
     @classmethod
     def _of_some_size(cls, value: Any) -> Any:
+        if not all(text.isprintable() for text in ([value] if isinstance(value, str) else _names(value))):
+            raise ValueError("must be one line of characters that can be printed")
         tiny = _tiny(value)
         if tiny:
             raise ValueError(f"{tiny:g} is next to nothing; give 0 or more than {LEAST:g}")
         return value
+
+
+def _names(value: Any) -> list[str]:
+    """The names that a table of the user's own has."""
+    return [name for name in value if isinstance(name, str)] if isinstance(value, dict) else []
 
 
 def _tiny(value: Any) -> float:

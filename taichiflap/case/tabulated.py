@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from .document import DocumentError, read_text
+
 SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 
 
@@ -54,13 +56,15 @@ def read_points(path: Path, column: int) -> list[list[float]]:
         PointsError: when the file cannot be read, a line does not hold the numbers, or lines differ in their columns.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = read_text(path, regular=True).splitlines()
     except FileNotFoundError:
         raise PointsError("no such file beside the case") from None
     except OSError as error:
         raise PointsError(f"cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise PointsError("not a text file in UTF-8") from None
+    except DocumentError as error:
+        raise PointsError(str(error)) from None
     points: list[list[float]] = []
     named = False
     columns = 0

@@ -8,7 +8,7 @@ from ..maps.design import Axis, Design
 from ..maps.file import Map
 from ..maps.labels import model
 from ..maps.outcome import COMPLETE, FAILED
-from ..notation import fraction, short
+from ..notation import fraction, printable, short
 from ..run.warnings import BENT
 
 SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
@@ -19,6 +19,10 @@ REASONS = 3
 
 def map_lines(sheet: Map) -> Iterator[str]:
     """Lines of text that summarise a map, complete or not."""
+    return map(printable, _lines(sheet))
+
+
+def _lines(sheet: Map) -> Iterator[str]:
     yield sheet.title or "(no title)"
     lines = list(_labelled(sheet))
     width = max(len(label) for label, _ in lines)

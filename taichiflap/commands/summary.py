@@ -8,7 +8,7 @@ from typing import Any
 from ..case.case import Case
 from ..case.motion import HarmonicPlunge, Travel
 from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
-from ..notation import prefixed
+from ..notation import prefixed, printable
 from ..results.reader import Result
 from ..structure.chordwise import Profile
 
@@ -21,6 +21,10 @@ def summary_lines(result: Result, said: Collection[str] = ()) -> Iterator[str]:
     Args:
         said: warnings, or a reason, that need not be said again.
     """
+    return map(printable, _lines(result, said))
+
+
+def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
     case = result.case
     attributes = result.attributes
     yield case.title or "(no title)"

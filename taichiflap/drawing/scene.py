@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..case.case import Case
 from ..errors import UserError
+from ..notation import printable
 from ..results.reader import Result
 from .palette import rounded_up, symmetric_limit
 
@@ -87,7 +88,7 @@ class Bounds:
 
 def label(result: Result) -> str:
     """What a result is called in a drawing: its title, or else its file's name."""
-    return result.case.title or (Path(result.path).stem if result.path else "untitled")
+    return printable(result.case.title or (Path(result.path).stem if result.path else "untitled"))
 
 
 def last_beats(result: Result, beats: int = 1) -> NDArray[np.intp]:

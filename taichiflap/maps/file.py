@@ -17,9 +17,10 @@ import numpy as np
 
 from ..case.case import Case, CaseError
 from ..errors import UserError, extra
+from ..notation import printable
 from ..results import hdf, integrity
 from ..results.integrity import DAMAGE
-from ..results.reader import first_line
+from ..results.reader import first_line, refuse_devices
 from ..results.variables import VARIABLES, Variable
 from . import layout
 from .design import Axis, Design
@@ -106,7 +107,7 @@ class Map:
 
     def _reason(self, place: tuple[Any, ...]) -> str:
         try:
-            return integrity.plain(self.file["reason"][place])
+            return printable(integrity.plain(self.file["reason"][place]))
         except DAMAGE:
             raise MapError(f"{self.path}: damaged: the reason of a failed case cannot be read") from None
 
@@ -222,6 +223,7 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
         MapError: when it is missing, damaged, of another kind, of a newer version, or being written by another.
     """
     path = Path(path)
+    refuse_devices(path, MapError)
     try:
         file = h5py.File(path, "r+", libver=hdf.VERSION) if write else h5py.File(path, "r", locking=False)
     except FileNotFoundError:
@@ -252,6 +254,7 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
 def is_map(path: Path) -> bool:
     """Whether a file is a map, and not a result."""
     try:
+        refuse_devices(Path(path), MapError)
         with h5py.File(path, "r", locking=False) as file:
             return "taichiflap_map" in file.attrs
     except DAMAGE:

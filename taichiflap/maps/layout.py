@@ -3,7 +3,6 @@
 import json
 import math
 import time
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,7 +10,7 @@ import h5py
 import numpy as np
 
 from .._version import __version__
-from ..case.case import Case, parse_case
+from ..case.case import Case, held_case
 from ..case.messages import key_units
 from ..results import hdf, integrity
 from ..results.integrity import DamageError
@@ -113,7 +112,7 @@ def read_case(file: Any, source: str) -> Case:
     Raises:
         CaseError: when it is no longer valid.
     """
-    return parse_case(tomllib.loads(integrity.attribute(file, "case")), source)
+    return held_case(integrity.attribute(file, "case"), source)
 
 
 def read_design(file: Any) -> Design:
@@ -132,7 +131,11 @@ def _axis_values(key: str, dataset: Any) -> list[Any]:
         values: list[Any] = dataset[...].tolist()
         return values
     labels = json.loads(integrity.attribute(dataset, "labels"))
-    if not isinstance(labels, list) or len(labels) != len(dataset) or not all(isinstance(one, str) for one in labels):
+    if (
+        not isinstance(labels, list)
+        or len(labels) != len(dataset)
+        or not all(isinstance(one, str) and one.isprintable() for one in labels)
+    ):
         raise DamageError(f"{key} has other labels than entries")
     return labels
 

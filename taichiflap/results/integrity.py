@@ -12,9 +12,12 @@ import h5py
 import numpy as np
 
 from ..errors import UserError
+from ..notation import printable
 
 Found = TypeVar("Found")
 
+OF_LINES = ("case", "warnings", "history")
+"""Attributes that may have several lines; of another, a second line would be taken for ours."""
 MOST_TEXT = 2**26
 """Bytes of an attribute: a case holds its tables of motion."""
 MOST_LABEL = 2**12
@@ -47,10 +50,10 @@ def _in_words(look: Callable[..., Found]) -> Callable[..., Found]:
 
 
 def plain(value: str | bytes) -> str:
-    """Text as it may be printed: no half characters, and none that steer a terminal."""
+    """Lines as they may be printed: no half characters, and none that steer a terminal."""
     text = value.decode(errors="replace") if isinstance(value, bytes) else value
     text = text.encode(errors="surrogateescape").decode(errors="replace")
-    return "".join(c if c.isprintable() or c in "\n\t" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return "\n".join(map(printable, text.replace("\t", " ").split("\n")))
 
 
 @_in_words
@@ -71,7 +74,7 @@ def attribute(file: Any, name: str) -> Any:
         )
     value = file.attrs[name]
     if isinstance(value, str | bytes):
-        return plain(value)
+        return plain(value) if name in OF_LINES else printable(plain(value))
     if not isinstance(value, np.number):
         raise DamageError(f"{name} is no text or number")
     return value.item()

@@ -3,7 +3,6 @@
 import bisect
 import functools
 import os
-import tomllib
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..case.case import Case, CaseError, parse_case
+from ..case.case import Case, CaseError, held_case
 from ..errors import UserError, extra
 from . import integrity
 from .integrity import DAMAGE, DamageError
@@ -99,7 +98,7 @@ class Result:
     @functools.cached_property
     def case(self) -> Case:
         """The case that was computed, overrides included."""
-        return parse_case(tomllib.loads(integrity.attribute(self.file, "case")), "the result's case")
+        return held_case(integrity.attribute(self.file, "case"), "the result's case")
 
     @property
     def frames(self) -> int:
@@ -199,6 +198,7 @@ def open_result(path: str | Path) -> Result:
     path = Path(path)
     if not path.exists() and part(path).exists():
         path = part(path)
+    refuse_devices(path, ResultError)
     try:
         file = h5py.File(path, "r", locking=False)
     except FileNotFoundError:
@@ -216,6 +216,16 @@ def open_result(path: str | Path) -> Result:
     except ResultError:
         file.close()
         raise
+
+
+def refuse_devices(path: Path, error: type[UserError]) -> None:
+    """Refuse a pipe, for which HDF5 would wait, and a device, which may never end.
+
+    Raises:
+        UserError: an `error` when it is one.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise error(f"{path}: not a regular file")
 
 
 def part(path: Path) -> Path:
@@ -240,7 +250,7 @@ def _checked(file: Any, path: Path) -> Result:
             raise ResultError(f"{path}: an HDF5 file, but not a result of taichiflap")
         if version > FORMAT:
             raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
-        case = parse_case(tomllib.loads(integrity.attribute(file, "case")), str(path))
+        case = held_case(integrity.attribute(file, "case"), str(path))
         _check_contents(file, case)
     except ResultError:
         raise

@@ -22,6 +22,11 @@ _UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {ast.USub: operator.neg,
 _FUNCTIONS: dict[str, Callable[..., Any]] = {"abs": np.abs, "sqrt": np.sqrt, "min": np.minimum, "max": np.maximum}
 _SIGNS: dict[type[ast.cmpop], float] = {ast.GtE: 1.0, ast.Gt: 1.0, ast.LtE: -1.0, ast.Lt: -1.0}
 
+LONGEST = 500
+"""Characters of a formula: so many brackets and signs can be taken apart."""
+SHOWN = 60
+"""Characters of a wrong one that a message shows."""
+LARGEST = 1e100
 TINY = 1e-300
 """Added to what would else be a division of zero by zero."""
 
@@ -80,10 +85,16 @@ def _call(name: str, *inside: ast.expr) -> ast.expr:
 
 
 def _parse(text: str) -> ast.expr:
+    if len(text) > LONGEST:
+        raise ExpressionError(f"{_shown(text)}: longer than {LONGEST} characters")
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ExpressionError(f"{text!r}: not a formula; for example vertical_force_mean / power_mean") from None
+        raise ExpressionError(f"{_shown(text)}: not a formula; for example vertical_force_mean / power_mean") from None
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= SHOWN else f"{text[:SHOWN]}...")
 
 
 def _expression(text: str, tree: ast.expr) -> Expression:
@@ -98,7 +109,9 @@ def _names(text: str, node: ast.expr) -> list[str]:
     match node:
         case ast.Constant(value=bool() | complex()):
             pass
-        case ast.Constant(value=int() | float()):
+        case ast.Constant(value=int() | float() as value):
+            if not abs(value) < LARGEST:
+                raise ExpressionError(f"{_shown(text)}: a number too large; give one below {LARGEST:g}")
             return []
         case ast.Name(id=name):
             return [name]

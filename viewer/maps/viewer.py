@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from taichiflap import simulate
+from taichiflap.case.solver import ELSEWHERE
 from taichiflap.errors import UserError
 from taichiflap.maps.file import open_map
 
@@ -30,8 +31,8 @@ class MapViewer(Server):
         MapError: when the file cannot be read.
     """
 
-    def __init__(self, path: str | Path, host: str = "127.0.0.1", port: int = 8080) -> None:
-        self.path = Path(path)
+    def __init__(self, path: str | Path, host: str = "127.0.0.1", port: int = 8080, trust: bool = False) -> None:
+        self.path, self.trust = Path(path), trust
         open_map(self.path).close()
         super().__init__(host, port)
         # Taichi wants one thread of its own for all that it does: the runs, and the flow around them.
@@ -52,10 +53,15 @@ class MapViewer(Server):
         """Case `number` of the map, from a file in a folder beside it; computed first if it is not there.
 
         Raises:
-            UserError: when its values do not go together, or the disk refuses.
+            UserError: when its values do not go together, it would run code from elsewhere, or the disk refuses.
         """
         with open_map(self.path) as sheet:
             case = sheet.design.case(sheet.case, number)
+        if case.solver.startswith(ELSEWHERE) and not self.trust:
+            raise UserError(
+                f'case {number} runs the Python module of solver = "{case.solver}"; if you trust this map, view it '
+                "with --trust"
+            )
         digest = hashlib.sha256(case.to_toml().encode()).hexdigest()[:12]
         folder = self.path.with_name(f"{self.path.stem}-cases")
         try:
