@@ -197,7 +197,7 @@ def replaced(pattern, text):
 
 ABSURD = {
     "an integer of 5,000 digits": (replaced(r"^chord = .*", f"chord = {'9' * 5000}"), "4300 digits"),
-    "an integer of 4,000 digits": (replaced(r"^chord = .*", f"chord = {'9' * 4000}"), r"wing\.chord: .* 4000 digits"),
+    "4,000 digits": (replaced(r"^chord = .*", f"chord = {'9' * 4000}"), r"wing\.chord: .* 4000 digits"),
     "an integer of 4,000 digits in a list": (
         replaced(r"^velocity = \[[^\]]*\]", f"velocity = [{'9' * 4000}, 0.0]"), r"velocity: a whole number of 4000",
     ),
