@@ -12,6 +12,8 @@ import numpy as np
 from taichiflap_viewer import Viewer
 
 import taichiflap
+from taichiflap.fluids.interface import WAKE
+from taichiflap.results.layout import Contents
 from taichiflap.results.writer import Writer
 
 from .browsers import browsers
@@ -37,15 +39,17 @@ def write(path: Path) -> float:
             lam=result.modes["lambda"], psi=result.modes["psi"], shape=lambda _: result.modes["shape"],
         )  # fmt: skip
         writer = Writer(case, path, [])
-        sample = {name: getattr(result, name)[:0] for name in result.variables} | {"wake_count": np.empty(0)}
-        writer.lay_out(result.file["node"][...], section, sample, VORTICES * result.frames)  # type: ignore[arg-type]
+        sample = {name: getattr(result, name)[:0] for name in result.variables}
+        contents = Contents({one.name: one.variable for one in WAKE}, {}, {"vortex": VORTICES * result.frames})
+        writer.lay_out(result.file["node"][...], section, sample, contents)  # type: ignore[arg-type]
         for first in range(0, result.frames, 25):
             last = min(first + 25, result.frames)
             block = {name: getattr(result, name)[first:last] for name in result.variables}
             count = last - first
-            block["wake_count"] = np.full(count, VORTICES)
-            block["wake"] = rng.normal(0.0, 0.02, (3, count * VORTICES))
-            block["wake_birth"] = np.tile(np.arange(VORTICES), count)
+            block["wake/count"] = np.full(count, VORTICES)
+            made = rng.normal(0.0, 0.02, (3, count * VORTICES))
+            block |= {f"wake/{name}": row for name, row in zip(("y", "z", "circulation"), made, strict=True)}
+            block["wake/birth"] = np.tile(np.arange(VORTICES), count)
             writer.append(block)
         writer.finish().close()
     return path.stat().st_size / 1e9

@@ -18,8 +18,9 @@ import math
 import numpy as np
 
 from taichiflap.errors import UserError
+from taichiflap.fluids.interface import Flow, Model
 from taichiflap.kernels.arrays import array, zeros
-from taichiflap.kernels.runtime import Floats2, Floats3, Singles3, View, ti
+from taichiflap.kernels.runtime import Floats2, Floats3, View, ti
 from taichiflap.march.state import (
     ACCEL,
     AMPLITUDE,
@@ -52,7 +53,7 @@ WASH, RISE, SPIN, TILT, TURN = range(5)
 PLATE, HEAVE, COUPLE, ACCELERATION = range(4)
 """Amplitudes of the three distributions of load, N and N m; and the d2h/dt2 behind them."""
 
-Flow = ti.types.argpack(
+Loads = ti.types.argpack(
     constant=Floats2,
     stream=Floats2,
     spread=Floats3,  # (case, distribution, element): pressure of a unit load
@@ -62,11 +63,9 @@ Flow = ti.types.argpack(
     load=Floats3,  # (case, column, 4): the loads without modal acceleration, and by that of each mode
     now=Floats2,  # and in all
 )
-Film = ti.types.argpack(pressure_jump=Singles3)
-GROUPS = {"flow": Flow, "film": Film}
 
 
-def allocate(cases, sections):
+def flow(cases, sections):
     """Constants of every case; the averages over the chord by Gauss and Chebyshev's rule in `y = c/2 (1 - cos t)`."""
     count, most = len(cases), most_modes(sections)
     constant, spread = np.zeros((count, 5)), np.zeros((count, 3, ELEMENTS))
@@ -90,36 +89,12 @@ def allocate(cases, sections):
         means = value @ wash, value @ heave, value @ couple, slope @ wash, slope @ heave
         mean[b, : section.count] = np.stack(means, axis=1)
     stream = array([case.fluid.velocity for case in cases], float)
-    flow = Flow(
+    loads = Loads(
         constant=array(constant), stream=stream, spread=array(spread), arm=array(arm), mean=array(mean),
         lag=zeros(ti.f64, count, 2, 2), load=zeros(ti.f64, count, most + 1, 4),
         now=zeros(ti.f64, count, 4),
     )  # fmt: skip
-    return {"flow": flow}
-
-
-def film(cases, frames):
-    return Film(pressure_jump=ti.ndarray(ti.f32, (len(cases), frames, ELEMENTS)))
-
-
-def trim(frames, case):
-    return frames
-
-
-def nodes(case):
-    return case.wing.chord * (np.arange(ELEMENTS + 1) / ELEMENTS - case.wing.pivot)
-
-
-def vortices(case):
-    return 0
-
-
-def work(case, step):
-    return 100.0
-
-
-def frame_bytes(case):
-    return 4.0 * ELEMENTS
+    return Flow({"flow": loads}, {"flow": Loads}, prepare, settle, record)
 
 
 @ti.func
@@ -218,3 +193,19 @@ def record(batch: View, b, frame):
         for m in range(3):
             pressure += batch.flow.spread[b, m, i] * batch.flow.now[b, m]
         batch.film.pressure_jump[b, frame, i] = ti.cast(pressure, ti.f32)
+
+
+class Theodorsen(Model):
+    name = "THEODORSEN"
+
+    def nodes(self, case):
+        return case.wing.chord * (np.arange(ELEMENTS + 1) / ELEMENTS - case.wing.pivot)
+
+    def work(self, case, step):
+        return 100.0
+
+    def flow(self, cases, sections, body, threads):
+        return flow(cases, sections)
+
+
+MODEL = Theodorsen()

@@ -51,17 +51,13 @@ def march(cases, threads=None, block=10**9):
     blocks = []
     while not marched.done:
         blocks.append(marched.advance(block))
-    joined = [
-        SimpleNamespace(
-            **{name: np.concatenate([b[i][name] for b in blocks], axis=_axis(name)) for name in blocks[0][i]}
-        )
-        for i in range(len(cases))
-    ]
+    joined = []
+    for i in range(len(cases)):
+        found = {name.replace("/", "_"): np.concatenate([b[i][name] for b in blocks]) for name in blocks[0][i]}
+        if "wake_y" in found:
+            found["wake"] = np.stack([found[f"wake_{name}"] for name in ("y", "z", "circulation")])
+        joined.append(SimpleNamespace(**found))
     return (joined[0] if single else joined), marched
-
-
-def _axis(name):
-    return 1 if name == "wake" else 0
 
 
 def done(path):

@@ -61,7 +61,7 @@ def test_csv_reads_back_to_the_same_numbers(lattice, tmp_path):
     columns = dict(zip(names, np.array([row.split(",") for row in rows], dtype=float).T, strict=True))
     np.testing.assert_array_equal(columns.pop("time (s)"), lattice.time)
     for name, variable in VARIABLES.items():
-        if variable.single or name not in lattice.variables:
+        if variable.field or name not in lattice.variables:
             continue
         values = getattr(lattice, name)
         if values.ndim == 1:

@@ -4,9 +4,9 @@ import inspect
 
 import pytest
 
-from taichiflap.fluids import dbet
+from taichiflap.fluids.dbet import flow as dbet
+from taichiflap.fluids.uvlm import flow as uvlm
 from taichiflap.fluids.uvlm import lattice, merging, tangential, wake
-from taichiflap.fluids.uvlm import model as uvlm
 from taichiflap.kernels import linear, taichi_patches
 from taichiflap.march import march
 from taichiflap.march import state as body

@@ -90,7 +90,7 @@ def test_a_wide_march_gives_the_bits_of_a_fused_one(monkeypatch):
     monkeypatch.setattr(long_wake, "WIDE", 60)
     for block in (1000, 7):
         wide, marched = march(case, block=block)
-        assert marched._ahead.first == 60
+        assert marched.flow.first == 60
         for name, values in vars(fused).items():
             np.testing.assert_array_equal(getattr(wide, name), values, err_msg=name)
 

@@ -24,9 +24,10 @@ from taichiflap_viewer.session import opening
 from websockets.sync.client import connect
 
 import taichiflap
-from taichiflap import open_result
+from taichiflap import fluids, open_result
 from taichiflap.results.reader import ResultError, part
 from taichiflap.results.writer import Writer
+from taichiflap.run import blocks
 
 CAMERA = {
     "type": "ViewerCameraMessage", "wxyz": [1.0, 0.0, 0.0, 0.0], "position": [0.0, -50.0, 0.0],
@@ -486,15 +487,14 @@ def _begun(run, path):
     """A writer of a run like this one, laid out and without frames yet."""
     result = run.result
     writer = Writer(run.case, path, [])
-    vortices = sum(len(result.wake(index)["y"]) for index in range(result.frames))
-    writer.lay_out(result.file["node"][...], _Section(result), _block(result, 0, 1), vortices)
+    contents = blocks._contents(fluids.load(run.case.solver), run.case)
+    writer.lay_out(result.file["node"][...], _Section(result), _block(result, 0, 1), contents)
     return writer
 
 
 def _block(result, first, last):
     block = {name: getattr(result, name)[first:last] for name in result.variables}
     wakes = [result.wake(index) for index in range(first, last)]
-    block["wake_count"] = np.array([len(wake["y"]) for wake in wakes])
-    block["wake"] = np.stack([np.concatenate([wake[n] for wake in wakes]) for n in ("y", "z", "circulation")])
-    block["wake_birth"] = np.concatenate([wake["birth"] for wake in wakes])
+    block["wake/count"] = np.array([len(wake["y"]) for wake in wakes])
+    block |= {f"wake/{name}": np.concatenate([wake[name] for wake in wakes]) for name in wakes[0]}
     return block

@@ -15,7 +15,7 @@ from . import wire
 from .colours import Theme, css
 from .frames import Array, Run
 from .scene import common_ranges
-from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback, beat_span
+from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback
 
 POINTS = 241
 """Most points of a curve: a chart is narrower than that."""
@@ -122,14 +122,14 @@ class Charts:
     def _load(self, playback: Playback, again: bool = False) -> None:
         """Read the curves if they are others than before."""
         run = self.runs[0]
-        newest = run.frames - 1
+        newest = run.steps - 1
         if playback.window == ALL:
             window = 0, newest
         elif playback.window == LAST_BEAT and run.live:
-            window = max(0, newest - round(run.frames_per_beat)), newest
+            window = max(0, newest - round(run.steps_per_beat)), newest
         else:
             number = run.beats if playback.window == LAST_BEAT else run.beat_of(playback.frame)[0]
-            window = beat_span(run, number)
+            window = run.step_at(number - 1), run.step_at(number)
         if window == self._window and not again:
             return
         self._window = window
@@ -138,12 +138,12 @@ class Charts:
 
     def _read(self, quantity: Quantity) -> list[Array]:
         assert self._window is not None
-        start, end = (index / self.runs[0].frames_per_beat for index in self._window)
+        start, end = (step / self.runs[0].steps_per_beat for step in self._window)
         curves: list[Array] = []
         for run in self.runs:
             if quantity.name not in (*run.variables, *dict(IN_STREAM)):
                 continue
-            times, values = _series(run, quantity.name, run.index_at(start), run.index_at(end))
+            times, values = _series(run, quantity.name, run.step_at(start), run.step_at(end))
             for curve in np.atleast_2d(values.T):
                 curves.append(quantity.factor * np.interp(self._times, times, curve, right=np.nan))
         return curves
@@ -151,7 +151,7 @@ class Charts:
     def _data(self, quantity: Quantity, frame: int) -> tuple[Array, ...]:
         curves = self._curves[quantity.name]
         dots = [np.full(len(curve), np.nan) for curve in curves]
-        now = frame / self.runs[0].frames_per_beat
+        now = self.runs[0].turns(frame)
         if len(self._times) and self._times[0] <= now + 1e-9 and now <= self._times[-1] + 1.0 / POINTS:
             nearest = int(np.argmin(np.abs(self._times - now)))
             for dot, curve in zip(dots, curves, strict=True):

@@ -91,6 +91,7 @@ class Run:
         self.chord = self.case.wing.chord
         self.title = self.case.title or label
         self.frames_per_beat = self.case.steps_per_beat / self.case.output.every
+        self.steps_per_beat = self.case.steps_per_beat
         moments = self.case.motion.growth + self.case.beat * np.linspace(0.0, 1.0, PATH_SAMPLES)
         plunge = sampling.sample(self.case.motion, moments)[:, sampling.PLUNGE] / self.chord
         self.path = float(plunge.min()), float(plunge.max())
@@ -105,6 +106,7 @@ class Run:
 
     def _load(self) -> None:
         self.frames = self.result.frames
+        self.steps = self.result.steps
         self.status = self.result.status
         self.has_wake = self.result.has_wake
         self.variables = self.result.variables
@@ -122,18 +124,18 @@ class Run:
     @property
     def beats(self) -> int:
         """Number of whole beats; at least one."""
-        return max(1, int(round((self.frames - 1) / self.frames_per_beat, 9)))
+        return max(1, int(round((self.steps - 1) / self.steps_per_beat, 9)))
 
     def refresh(self) -> bool:
         """Look for new frames; whether there is any news. A file in the middle of a write is left for later."""
         with self._lock:
-            before = self.frames, self.status
+            before = self.steps, self.status
             try:
                 self.result.refresh()
                 # What was read from the file's end while it was being written is not to be trusted.
                 self._cache.clear()
                 self._held = 0
-                if (self.result.frames, self.result.status) == before:
+                if (self.result.steps, self.result.status) == before:
                     return False
                 self._load()
             except (ResultError, *UNREADABLE):
@@ -145,9 +147,13 @@ class Run:
         with self._lock:
             self.result.close()
 
+    def turns(self, index: int) -> float:
+        """The time of a frame, in beats."""
+        return float(self.case.step_of(index)) / self.steps_per_beat
+
     def beat_of(self, index: int) -> tuple[int, float]:
         """Number of the beat of a frame, from 1, and t/T within it; a run's very end belongs to its last beat."""
-        passed = round(index / self.frames_per_beat, 9)
+        passed = round(self.turns(index), 9)
         number = int(passed)
         if 0 < passed == number and index == self.frames - 1:
             number -= 1
@@ -155,11 +161,18 @@ class Run:
 
     def index_at(self, beats: float) -> int:
         """The frame nearest to a time in beats."""
-        return min(max(round(beats * self.frames_per_beat), 0), self.frames - 1)
+        last = self.frames - 1
+        found = min(max(round(beats * self.frames_per_beat), 0), last)
+        # The last frame of a run may be nearer to the one before it than the others are.
+        return last if abs(self.turns(last) - beats) < abs(self.turns(found) - beats) else found
+
+    def step_at(self, beats: float) -> int:
+        """The step nearest to a time in beats."""
+        return min(max(round(beats * self.steps_per_beat), 0), self.steps - 1)
 
     def reversals(self) -> list[int]:
         """Frames of the stroke reversals, in order; none if the wing does not plunge."""
-        found = reversals(self.case, 0.0, (self.frames - 1) / self.frames_per_beat)
+        found = reversals(self.case, 0.0, self.turns(self.frames - 1))
         return [self.index_at(float(beats)) for beats in found]
 
     def half_stroke(self, index: int) -> str:
@@ -167,14 +180,14 @@ class Run:
         if not self._turns:
             return ""
         # A reversal belongs to the half-stroke that it begins.
-        moment = (index / self.frames_per_beat + 1e-6) * self.case.beat
+        moment = (self.turns(index) + 1e-6) * self.case.beat
         rate = sampling.sample(self.case.motion, np.array([moment]))[0, sampling.PLUNGE_RATE]
         return "half-stroke to the right" if rate > 0.0 else "half-stroke to the left"
 
     def when(self, index: int) -> str:
         """The time of a frame in words."""
         if not self.case.periodic:
-            return when(self.case, index / self.frames_per_beat)
+            return when(self.case, self.turns(index))
         number, part = self.beat_of(index)
         return f"beat {number}   t/T = {part:.3f}"
 
@@ -200,7 +213,7 @@ class Run:
             return frame
 
     def series(self, name: str, first: int, last: int, most: int) -> tuple[Array, Array]:
-        """Times (beats) and values, in SI units, of at most `most` frames from `first` to `last`, evenly picked.
+        """Times (beats) and values, in SI units, of a series at `most` steps at most, evenly from `first` to `last`.
 
         What a file does not hold, or not just now, is not a number.
         """
@@ -209,11 +222,11 @@ class Run:
         with self._lock:
             try:
                 values = np.concatenate(
-                    (self.result.between(name, first, last - 1, stride), [self.result.frame(name, last)])
+                    (self.result.between(name, first, last - 1, stride), self.result.between(name, last, last))
                 )
             except UNREADABLE:
                 values = np.full((len(picked), len(self.shape)) if name == "q" else len(picked), np.nan)
-        return picked / self.frames_per_beat, values
+        return picked / self.steps_per_beat, values
 
     def summary(self) -> Summary | None:
         """Means, peaks and phases over the settled beats; None while there is no whole beat."""
@@ -222,7 +235,7 @@ class Run:
 
     def _read(self, index: int) -> Frame:
         result, scale = self.result, 1.0 / self.chord
-        now = sampling.sample(self.case.motion, np.array([self.case.step * self.case.output.every * index]))[0]
+        now = sampling.sample(self.case.motion, np.array([self.case.step * float(self.case.step_of(index))]))[0]
         plunge, plunge_rate, pitch, pitch_rate = now[
             [sampling.PLUNGE, sampling.PLUNGE_RATE, sampling.PITCH, sampling.PITCH_RATE]
         ]

@@ -100,7 +100,7 @@ class Session:
         with self._lock, self.client.atomic(), contextlib.suppress(OSError):
             index = self.playback.frame
             for actor in self.actors:
-                here = index if actor.run is self.run else actor.run.index_at(index / self.run.frames_per_beat)
+                here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
                 actor.show(here, self.playback.layers)
             text = self.run.frame(index).text
             self.stage.show(text, self.playback.layers["stroke"])
@@ -202,7 +202,7 @@ class Session:
         self.panel.legend.content = legend(self.runs, self.theme, shown)
 
     def _headline(self, text: str) -> str:
-        milliseconds = 1e3 * self.playback.frame * self.run.case.step * self.run.case.output.every
+        milliseconds = 1e3 * self.run.case.step * float(self.run.case.step_of(self.playback.frame))
         # What went wrong; where exactly, and what is likely to help, `info` tells.
         reason = str(self.run.result.attributes.get("reason", "")).partition(". Likely")[0].partition(";")[0]
         state = {"running": "being computed", "failed": f"failed: {escape(reason)}"}.get(self.run.status, "")

@@ -120,6 +120,19 @@ class Case(Section):
         """Number of time steps in a `beat`."""
         return self.steps / self.time.periods if self.time.periods else self.beat / self.step
 
+    def frames(self, steps: int | None = None) -> int:
+        """How many of the first so many steps (all of them if None), step 0 included, store their fields.
+
+        They are every `output.every`-th step, and the last.
+        """
+        steps = self.steps + 1 if steps is None else steps
+        beside = steps > self.steps and self.steps % self.output.every > 0
+        return -(-steps // self.output.every) + beside
+
+    def step_of(self, frame: Any) -> Any:
+        """The step of a frame of fields, or of an array of them, counted from 0."""
+        return np.minimum(np.asarray(frame) * self.output.every, self.steps)
+
     @cached_property
     def _march(self) -> tuple[int, float]:
         """Number of time steps and step, s."""

@@ -29,7 +29,7 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
     attributes = result.attributes
     yield case.title or "(no title)"
     status = "running or interrupted" if result.status == "running" else result.status
-    yield _line("file", f"{result.path or 'in memory'}, {status}, {result.frames} frames")
+    yield _line("file", f"{result.path or 'in memory'}, {status}, {_extent(result)}")
     yield _line("model", _model(case))
     yield _line("wing", _wing(case, result))
     yield _line("motion", _motion(case))
@@ -51,6 +51,13 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
             yield f"warning: {warning}"
     if "reason" in attributes and attributes["reason"] not in said:
         yield f"failed: {attributes['reason']}"
+
+
+def _extent(result: Result) -> str:
+    """How much of a run is stored."""
+    if result.case.output.every == 1:
+        return f"{result.frames} frames"
+    return f"{result.steps} steps, fields in {result.frames} frames"
 
 
 def _statistics(case: Case, summary: Summary) -> Iterator[str]:

@@ -97,19 +97,36 @@ def last_beats(result: Result, beats: int = 1) -> NDArray[np.intp]:
     Raises:
         SceneError: when the run has not got so far, has failed there, or stores hardly any frames.
     """
-    turns = result.time / result.case.beat
-    whole = math.floor(round(float(turns[-1]), 9)) if len(turns) else 0
-    if whole < 1:
-        raise SceneError(f"{result.path or label(result)}: has no whole beat yet, so there is nothing to draw")
-    beats = min(beats, whole)
-    frames = np.flatnonzero((turns >= whole - beats - 1e-9) & (turns <= whole + 1e-9))
+    frames = _within(result, result.field_time, beats)
     if len(frames) < 2:
         raise SceneError(f"{result.path or label(result)}: stores too few frames a beat to draw; see output.every")
-    if not np.isfinite(result.file["force_normal"][frames[0] : frames[-1] + 1]).all():
+    return frames
+
+
+def last_steps(result: Result, beats: int = 1) -> slice:
+    """The steps of the last whole beats, the first of them and the last included.
+
+    Raises:
+        SceneError: when the run has not got so far, or has failed there.
+    """
+    steps = _within(result, result.time, beats)
+    return slice(int(steps[0]), int(steps[-1]) + 1)
+
+
+def _within(result: Result, time: Array, beats: int) -> NDArray[np.intp]:
+    """Which of some times lie in the last whole beats that the run has."""
+    run = result.time / result.case.beat
+    whole = math.floor(round(float(run[-1]), 9)) if len(run) else 0
+    if whole < 1:
+        raise SceneError(f"{result.path or label(result)}: has no whole beat yet, so there is nothing to draw")
+    first = whole - min(beats, whole)
+    shown = np.flatnonzero((run >= first - 1e-9) & (run <= whole + 1e-9))
+    if not np.isfinite(result.file["force_normal"][shown[0] : shown[-1] + 1]).all():
         raise SceneError(
             f"{result.path or label(result)}: the run failed in its last beats, so there is nothing to draw"
         )
-    return frames
+    turns = time / result.case.beat
+    return np.flatnonzero((turns >= first - 1e-9) & (turns <= whole + 1e-9))
 
 
 def on_page(y: ArrayLike, z: ArrayLike) -> Array:
@@ -183,7 +200,7 @@ def when(case: Case, beats: float) -> str:
 
 def sway(result: Result, frames: NDArray[np.intp]) -> tuple[float, float]:
     """How far the pivot goes along the stroke in some frames, m."""
-    plunge = result.plunge[frames]
+    plunge = result.plunge[result.case.step_of(frames)]
     return float(plunge.min()), float(plunge.max())
 
 

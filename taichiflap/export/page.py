@@ -65,6 +65,7 @@ def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], 
 
 def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], per_beat: float) -> str:
     case = result.case
+    steps = case.step_of(indices)
     shared = scene.bounds(frames, case)
     loaded = not any(len(frame.wake) for frame in frames)
     data = {
@@ -79,7 +80,7 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "saturated": shared.saturated,
         "force_limit": shared.force,
         "force_unit": prefixed(shared.force, "N"),
-        "tip_unit": prefixed(float(np.abs(result.tip_deflection[indices]).max()), "m") if case.wing.modes else None,
+        "tip_unit": prefixed(float(np.abs(result.tip_deflection[steps]).max()), "m") if case.wing.modes else None,
         "traction_limit": shared.traction,
         "reach": scene.REACH,
         "nodes": len(frames[0].wing),
@@ -90,8 +91,8 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "circulation": pack(np.concatenate([frame.circulation for frame in frames])),
         "traction": pack([frame.traction for frame in frames] if loaded else []),
         "force": pack([frame.force for frame in frames]),
-        "tip": pack(result.tip_deflection[indices]),
-        "lift": pack(result.force_vertical[indices]),
+        "tip": pack(result.tip_deflection[steps]),
+        "lift": pack(result.force_vertical[steps]),
         "tables": {
             "light": _base64(palette.table(palette.LIGHT.anchors)),
             "dark": _base64(palette.table(palette.DARK.anchors)),

@@ -4,11 +4,11 @@ from pathlib import Path
 
 from .. import files
 from ..results.reader import Result
-from ..results.variables import AXES, VARIABLES
+from ..results.variables import AXES
 
 
 def write_csv(result: Result, path: Path) -> None:
-    """Write every double-precision series, one row a frame, with as many digits as it takes to read the same numbers.
+    """Write every series, one row a step, with as many digits as it takes to read the same numbers.
 
     The header row carries names and units; a modal variable has one column a mode.
 
@@ -17,9 +17,10 @@ def write_csv(result: Result, path: Path) -> None:
     """
     columns = [(f"time ({AXES['time'].units})", result.time)]
     for name in result.variables:
-        if name == "time" or VARIABLES[name].single:
+        one = result.describe(name)
+        if name == "time" or one.dimensions[:1] != ("time",) or one.field:
             continue
-        values, units = getattr(result, name), VARIABLES[name].units
+        values, units = getattr(result, name), one.units
         if values.ndim == 1:
             columns.append((f"{name} ({units})", values))
         else:

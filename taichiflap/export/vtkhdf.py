@@ -94,7 +94,7 @@ def _describe_steps(root: Any, result: Result) -> None:
     """Say where in the flat datasets each frame begins."""
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = result.frames
-    steps["Values"] = result.time
+    steps["Values"] = result.field_time
     steps["Values"].attrs["units"] = UNITS["Values"]
     steps["PartOffsets"] = np.arange(result.frames)
     steps["NumberOfParts"] = np.ones(result.frames, "i8")

@@ -13,8 +13,12 @@ from .state import ACCEL, AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, 
 Array = NDArray[np.float64]
 
 
+OWN = ("step", "field_step", "q", "force")
+"""What of a block of steps goes into variables of other names."""
+
+
 def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Any]:
-    """Variables of the result file for some frames of a case.
+    """Variables of the result file for some steps of a case, and for the frames among them.
 
     Args:
         nodes: positions of the nodes along the chord, from the pivot, m.
@@ -23,20 +27,24 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
     """
     state = frames["q"]
     series = over_time(case, section, motion, frames)
-    cosine, sine = (motion[frames["step"], column, None] for column in (COSINE, SINE))
-    deflection = _superpose(section.shape(nodes), state[:, AMPLITUDE])
+    at = frames["field_step"]
+    cosine, sine = (motion[at, column, None] for column in (COSINE, SINE))
+    # The steps of a block follow each other.
+    rows = at - (frames["step"][0] if len(at) else 0)
+    deflection = _superpose(section.shape(nodes), state[rows, AMPLITUDE])
     along, across = cosine * nodes - sine * deflection, sine * nodes + cosine * deflection
     fields = {
         "q": state[:, AMPLITUDE],
         "q_rate": state[:, RATE],
         "q_acceleration": state[:, ACCEL],
-        "node_position": np.stack((series["surge"][:, None] + along, series["plunge"][:, None] + across), axis=2),
+        "field_time": case.step * at,
+        "node_position": np.stack((series["surge"][rows, None] + along, series["plunge"][rows, None] + across), axis=2),
     }
-    return series | fields | {name: values for name, values in frames.items() if name not in ("step", "q", "force")}
+    return series | fields | {name: values for name, values in frames.items() if name not in OWN}
 
 
 def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Array]:
-    """The variables that have one value a frame; arguments as of `derive`."""
+    """The variables that have one value a step; arguments as of `derive`."""
     state = frames["q"]
     moved = np.ascontiguousarray(motion[frames["step"]].T)
     cosine, sine = moved[COSINE], moved[SINE]

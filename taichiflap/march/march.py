@@ -9,25 +9,10 @@ added mass that a fluid feels is then exactly the one that the modes feel, whate
 geometry the modal force is linear in the modal acceleration, `Q = load + response qdd`, so that each step is
 one small linear solve, without iteration. The geometry is that of a second-order extrapolation.
 
-A fluid model is a module, of this package or from elsewhere (see `taichiflap.fluids`), that has
-
-- `GROUPS`: the groups of arrays that a kernel sees as `batch.<name>`, among them `film`, the frames, whose arrays
-  have names of `taichiflap.results.variables`, `pressure_jump` among them;
-- `allocate(cases, sections)`: all of these but the film; `film(cases, frames)`;
-- `nodes(case)`; `vortices(case)`, how many its frames hold in all;
-- `work(case, step)` and `frame_bytes(case)`, the rough cost of a step and of a frame;
-- `prepare(batch, b, n, rule)`: fills `body.load` and `body.response`, which come zeroed;
-- `settle(batch, b, n, rule)`: with the acceleration known, advances its state and sets `body.force`;
-- `record(batch, b, frame)`: stores a frame of the film; `trim(frames, case)` cuts off a batch's padding;
-- if it likes, `uses(cases)`: what some case of a batch needs, hashable, the last argument of `prepare` and `settle`, so
-  that by `ti.static` the kernel holds nothing else;
-- if it likes, `ahead(cases, groups, threads)`, of its groups and `body`: what is called with every step n from
-  `ahead.first` on, to do beforehand on all threads what one case's thread would be long at.
+Fluid models are those of `taichiflap.fluids.interface`; nothing here depends on which of them it is.
 """
 
-import functools
 from collections.abc import Mapping, Sequence
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -39,15 +24,36 @@ from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
 from ..structure import beam
 from . import divergence
 from . import state as bodies
-from .state import ACCEL, AMPLITUDE, BETA, C0, C1, C2, DAMPING, LAMBDA, LIMIT, PSI, RATE, STIFFNESS, Body
+from .film import Film, film_type
+from .state import (
+    ACCEL,
+    AMPLITUDE,
+    BEFORE,
+    BETA,
+    C0,
+    C1,
+    C2,
+    DAMPING,
+    EVERY,
+    LAMBDA,
+    LIMIT,
+    PSI,
+    RATE,
+    STEPS,
+    STIFFNESS,
+    Body,
+)
 
-Track = ti.types.argpack(q=Floats4, modal_force=Floats3, force=Floats3)
-"""What every case leaves a frame: (case, frame, 3, mode), (case, frame, mode) and (case, frame, 4)."""
+Track = ti.types.argpack(modes=Floats4, force=Floats3)
+"""What every case leaves a step: (case, step, 4, mode), its modal state and the modal force; and (case, step, 4)."""
+
+MODAL_FORCE = 3
+"""Row of `Track.modes` after those of a modal state."""
 
 
 FIRST, LAST, OPENING, CASES, LANES = range(5)
-"""Entries of a launch: the first step and the one after the last, the first step of the frames' block, and how many
-cases are dealt out among how many lanes. In an array, since Taichi counts 64 arguments with all arrays in them."""
+"""Entries of a launch: the first step and the one after the last, the first step of the block, and how many cases are
+dealt out among how many lanes. In an array, since Taichi counts 64 arguments with all arrays in them."""
 
 
 @ti.func
@@ -80,8 +86,8 @@ def predict(body: View, b, n, rule):
             body.q_guess[b, RATE, k] = rate + dt * accel
             for row in range(2):
                 now = body.q[b, row, k]
-                body.q_known[b, row, k] = -(rule[C1] * now + rule[C2] * body.q_before[b, row, k]) / rule[C0]
-                body.q_before[b, row, k] = now
+                body.q_known[b, row, k] = -(rule[C1] * now + rule[C2] * body.q[b, BEFORE + row, k]) / rule[C0]
+                body.q[b, BEFORE + row, k] = now
 
 
 @ti.func
@@ -129,48 +135,62 @@ def has_diverged(body: View, b):
 
 
 @ti.func
-def track_frame(body: View, track: View, b, frame):
+def track_step(body: View, track: View, b, row):
     modes = body.modes[b]
     for j in range(modes):
         force = body.load[b, j]
         for k in range(modes):
             force += body.response[b, j, k] * body.q[b, ACCEL, k]
-        for row in range(3):
-            track.q[b, frame, row, j] = body.q[b, row, j]
-        track.modal_force[b, frame, j] = force
+        for k in range(3):
+            track.modes[b, row, k, j] = body.q[b, k, j]
+        track.modes[b, row, MODAL_FORCE, j] = force
     for c in range(4):
-        track.force[b, frame, c] = body.force[b, c]
+        track.force[b, row, c] = body.force[b, c]
 
 
-@functools.cache
-def kernel(fluid: ModuleType, film: bool = True, used: Any = None) -> Any:
-    """The kernel that marches a batch with a fluid model: many steps of many cases in one launch.
+_kernels: dict[Any, Any] = {}
+"""The kernels that this process has, by what decides which it is."""
+
+
+def kernel(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
+    """The kernel that marches a batch with a fluid model, many steps of many cases in one launch, and its argpack.
 
     Args:
-        used: what the model's `uses` said of the batch; it goes to `prepare` and `settle`.
+        flow: the batch, a `taichiflap.fluids.interface.Flow`.
+        outputs: of the model, if they are to be stored.
     """
+    key = flow.kernel_key, outputs
+    if key not in _kernels:
+        _kernels[key] = _build(flow, outputs)
+    return _kernels[key]
 
-    groups = {name: group for name, group in fluid.GROUPS.items() if film or name != "film"}
-    Batch = ti.types.argpack(body=Body, track=Track, **groups)
-    needs = () if used is None else (used,)
+
+def _build(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
+    film = {} if outputs is None else {"film": film_type(outputs)}
+    Batch = ti.types.argpack(body=Body, track=Track, **film, **flow.types)
+    needs = () if flow.uses is None else (flow.uses,)
+    filming, counting = outputs is not None, flow.record_step is not None
+    prepare, settle, record, record_step = flow.prepare, flow.settle, flow.record, flow.record_step
 
     @ti.func
     def march_case(batch: View, b, first, last, opening):
-        every = batch.body.every[b]
-        for n in range(first, ti.min(last, batch.body.steps[b] + 1)):
+        steps = batch.body.plan[b, STEPS]
+        every = batch.body.plan[b, EVERY]
+        for n in range(first, ti.min(last, steps + 1)):
             if batch.body.failed[b] < 0:
                 rule = differencing(n, batch.body.dt[b])
                 predict(batch.body, b, n, rule)
-                fluid.prepare(batch, b, n, rule, *needs)
+                prepare(batch, b, n, rule, *needs)
                 accelerate(batch.body, b, n, rule)
-                fluid.settle(batch, b, n, rule, *needs)
+                settle(batch, b, n, rule, *needs)
                 if has_diverged(batch.body, b):
                     batch.body.failed[b] = n
-                if n % every == 0:
-                    frame = n // every - (opening + every - 1) // every
-                    track_frame(batch.body, batch.track, b, frame)
-                    if ti.static(film):
-                        fluid.record(batch, b, frame)
+                track_step(batch.body, batch.track, b, n - opening)
+                if ti.static(filming and counting):
+                    record_step(batch, b, n - opening)
+                if ti.static(filming):
+                    if n % every == 0 or n == steps:
+                        record(batch, b, (n + every - 1) // every - (opening + every - 1) // every)
 
     @ti.kernel
     def march(batch: Batch, launch: Ints1):  # type: ignore[valid-type]
@@ -187,26 +207,25 @@ class March:
 
     Args:
         cases: cases that share their solver; everything else may differ.
-        fluid: the module of the fluid model.
+        fluid: the fluid model, a `taichiflap.fluids.interface.Model`.
         threads: how many threads may work at once; all of them if None. It does not change any result.
-        film: keep the fields of the fluid model too; without them frames are few bytes, for studies of many cases.
+        film: keep the outputs of the fluid model too; without them a step is few bytes, for studies of many cases.
     """
 
-    def __init__(self, cases: Sequence[Case], fluid: ModuleType, threads: int | None = None, film: bool = True) -> None:
+    def __init__(self, cases: Sequence[Case], fluid: Any, threads: int | None = None, film: bool = True) -> None:
         start()
         self.cases = list(cases)
         self.fluid = fluid
         self.sections = [beam.modes(case.wing) for case in self.cases]
         self.motion = bodies.sample_motions(self.cases)
         self.body = bodies.allocate(self.cases, self.sections, self.motion)
-        self.groups = {"body": self.body, **fluid.allocate(self.cases, self.sections)}
+        self.flow = fluid.flow(self.cases, self.sections, self.body, threads)
+        self.groups = {"body": self.body, **self.flow.groups}
         self.steps = max(case.steps for case in self.cases)
         self.next_step = 0
         self._filming = film
-        ahead = getattr(fluid, "ahead", None)
-        self._ahead = ahead(self.cases, self.groups, threads) if ahead else None
         self._lanes = tasks(len(self.cases), threads)
-        self._room = 0
+        self._room = 0, 0
 
     @property
     def done(self) -> bool:
@@ -214,17 +233,19 @@ class March:
         return self.next_step > self.steps
 
     def advance(self, steps: int) -> list[dict[str, np.ndarray]]:
-        """March every case by `steps` steps and return its frames on the way.
+        """March every case by `steps` steps and return what it stores on the way.
 
         The first step is step 0, the state at t = 0. A case that has reached its end, or has failed, rests.
         Zero steps compile the kernels, or fetch them from Taichi's cache.
 
         Returns:
-            For each case its frames: `step`, `q` (amplitude, rate and acceleration of every mode),
-            `modal_force`, `force`, and the film of the fluid model, each with the frame as leading axis.
+            For each case `step`, `q` (amplitude, rate and acceleration of every mode), `modal_force`, `force` and
+            the series of the fluid model, with the step as leading axis; `field_step`, the steps of its frames; and
+            its fields, with the frame as leading axis, ragged ones one frame after the other.
         """
         first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
-        self._make_room(max(1, *(len(self._frames(case, first, last)) for case in self.cases)))
+        frames = [case.frames(last) - case.frames(first) for case in self.cases]
+        self._make_room(max(1, last - first), max(1, *frames))
         self._march(first, last)
         self.next_step = last
         return self._collect(first, last)
@@ -256,11 +277,12 @@ class March:
 
     def _march(self, first: int, last: int) -> None:
         """Many steps in one launch, but for those before which a fluid model puts all threads to one case."""
-        alone = max(first, min(last, self._ahead.first)) if self._ahead else last
+        before = self.flow.before_step
+        alone = max(first, min(last, self.flow.first)) if before else last
         self._launch(first, alone, first)
         for n in range(alone, last):
-            if self._ahead:
-                self._ahead(n)
+            if before:
+                before(n)
             self._launch(n, n + 1, first)
 
     def _launch(self, first: int, last: int, opening: int) -> None:
@@ -275,44 +297,43 @@ class March:
         step, count = int(self.failures()[b]), self.sections[b].count
         if step < 0:
             return ""
-        # The step that failed has moved its predecessor to `q_before`.
-        now, before = (view(state)[b, AMPLITUDE, :count] for state in (self.body.q, self.body.q_before))
+        # The step that failed has moved its predecessor to the rows from BEFORE on.
+        now, before = (view(self.body.q)[b, row, :count] for row in (AMPLITUDE, BEFORE))
         return divergence.reason(self.cases[b], self.sections[b], step, now, before)
 
-    def _frames(self, case: Case, first: int, last: int) -> np.ndarray:
-        every = case.output.every
-        return np.arange(-(-first // every) * every, min(last, case.steps + 1), every)
-
-    def _make_room(self, frames: int) -> None:
-        if frames <= self._room:
+    def _make_room(self, steps: int, frames: int) -> None:
+        if steps <= self._room[0] and frames <= self._room[1]:
             return
-        self._room = frames
+        self._room = steps, frames = max(steps, self._room[0]), max(frames, self._room[1])
         count, _, most = self.body.q.shape
         self._track = Track(
-            q=ti.ndarray(ti.f64, (count, frames, 3, most)),
-            modal_force=ti.ndarray(ti.f64, (count, frames, most)),
-            force=ti.ndarray(ti.f64, (count, frames, 4)),
+            modes=ti.ndarray(ti.f64, (count, steps, 4, most)),
+            force=ti.ndarray(ti.f64, (count, steps, 4)),
         )
-        film = {"film": self.fluid.film(self.cases, frames)} if self._filming else {}
-        self._stored = [self._track, *film.values()]
-        uses = getattr(self.fluid, "uses", None)
-        group, self._kernel = kernel(self.fluid, self._filming, uses(self.cases) if uses else None)
+        film: dict[str, Any] = {}
+        if self._filming:
+            sizes = [self.fluid.sizes(case) for case in self.cases]
+            self._film = Film(self.fluid.outputs, sizes, steps, frames)
+            film = {"film": self._film.pack}
+        group, self._kernel = kernel(self.flow, self.fluid.outputs if self._filming else None)
         self._batch = group(track=self._track, **film, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
-        fields = {name: view(values) for group in self._stored for name, values in group.items}
+        modes, force = view(self._track.modes), view(self._track.force)
         failed = self.failures()
         collected = []
         for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):
-            step = self._frames(case, first, last)
-            if failed[b] >= 0:
-                step = step[step < failed[b]]
-            frames = {name: values[b, : len(step)] for name, values in fields.items()}
-            frames["q"] = frames["q"][..., : section.count]
-            frames["modal_force"] = frames["modal_force"][:, : section.count]
+            end = max(first, min(last, case.steps + 1, failed[b] if failed[b] >= 0 else last))
+            steps, frames = end - first, np.arange(case.frames(first), case.frames(end))
+            own = modes[b, :steps, :, : section.count]
+            found = {
+                "step": np.arange(first, end),
+                "q": own[:, :MODAL_FORCE].copy(),
+                "modal_force": own[:, MODAL_FORCE].copy(),
+                "force": force[b, :steps].copy(),
+            }
             if self._filming:
-                frames = self.fluid.trim(frames, case)
-            # Trimming may have copied already what it joined.
-            own = {name: values if values.base is None else values.copy() for name, values in frames.items()}
-            collected.append({"step": step} | own)
+                found["field_step"] = case.step_of(frames)
+                found |= self._film.share(b, self.fluid.stored(case), steps, len(frames))
+            collected.append(found)
         return collected

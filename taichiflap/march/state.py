@@ -11,7 +11,7 @@ import numpy as np
 
 from ..case.case import Case
 from ..kernels.arrays import array, zeros
-from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, View, ti
+from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Ints2, View, ti
 from ..motion import sampling
 from ..motion.sampling import PITCH, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
 from ..structure import beam
@@ -24,8 +24,11 @@ that comes from acceleration (DBET: added mass; UVLM: d(Gamma)/dt)."""
 C0, C1, C2, BETA = range(4)
 """Entries of a differencing rule: `x' = C0 x + C1 x_before + C2 x_before_that`, and `BETA = dx / dx'`."""
 
-AMPLITUDE, RATE, ACCEL = range(3)
+AMPLITUDE, RATE, ACCEL, BEFORE = range(4)
 """Rows of a modal state, shape (case, row, mode)."""
+
+STEPS, EVERY = range(2)
+"""Columns of `plan`: how many steps a case takes, and how many lie between its frames."""
 
 STIFFNESS, DAMPING, LAMBDA, PSI, LIMIT = range(5)
 """Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k, and where a case stops."""
@@ -36,14 +39,12 @@ COLUMNS = SINE + 1
 
 Body = ti.types.argpack(
     modes=Ints1,
-    steps=Ints1,  # steps that the case asks for
-    every=Ints1,  # steps between frames
+    plan=Ints2,  # (case, 2): STEPS, EVERY
     failed=Ints1,  # step at which the case stopped, see taichiflap.march.divergence; -1 while all is well
     dt=Floats1,
     motion=Floats3,  # (case, step, COLUMNS), see taichiflap.motion; and cos theta, sin theta
     constant=Floats3,
-    q=Floats3,  # modal state now ...
-    q_before=Floats3,  # ... and one step earlier
+    q=Floats3,  # (case, 5, mode): modal state now, and from row BEFORE on amplitude and rate one step earlier
     q_known=Floats3,  # what the coming step's amplitude and rate are with no acceleration
     q_guess=Floats3,  # where they are expected to be, to second order
     load=Floats2,  # modal force Q_j with no modal acceleration
@@ -83,14 +84,12 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.
         constant[b, :, : section.count] = section.omega**2, damping, section.lam, section.psi, stop
     return Body(
         modes=array([section.count for section in sections]),
-        steps=array([case.steps for case in cases]),
-        every=array([case.output.every for case in cases]),
+        plan=array([[case.steps, case.output.every] for case in cases]),
         failed=array([-1] * count),
         dt=array([case.step for case in cases], float),
         motion=array(motions),
         constant=array(constant),
-        q=zeros(ti.f64, count, 3, most),
-        q_before=zeros(ti.f64, count, 2, most),
+        q=zeros(ti.f64, count, 5, most),
         q_known=zeros(ti.f64, count, 2, most),
         q_guess=zeros(ti.f64, count, 2, most),
         load=zeros(ti.f64, count, most),

@@ -106,7 +106,7 @@ def summary(results: Sequence[Result]) -> Figure:
         length, label_of_time = scene.abscissa(results[0].case)
         for number, result in enumerate(results):
             colour = palette.LINES[number % len(palette.LINES)]
-            turns = result.time[scene.last_beats(result)] / result.case.beat
+            turns = result.time[scene.last_steps(result)] / result.case.beat
             turns = length * (turns - round(turns[-1]) + 1.0)
             for ax, (factor, _), (_, _, series) in zip(axes, units, shown, strict=True):
                 for variable, (_, line) in zip(series, STYLES, strict=False):
@@ -194,11 +194,11 @@ def panels(results: Sequence[Result]) -> list[Panel]:
 
 def _last_beat(result: Result, name: str) -> np.ndarray:
     """A series over the last beat; of a force in a stream its part across or against it."""
-    frames = scene.last_beats(result)
+    steps = scene.last_steps(result)
     if name in ("lift", "thrust"):
-        lift, thrust = in_stream(result.case, result.force_y[frames], result.force_z[frames])
+        lift, thrust = in_stream(result.case, result.force_y[steps], result.force_z[steps])
         return lift if name == "lift" else thrust
-    return np.asarray(getattr(result, name)[frames])
+    return np.asarray(getattr(result, name)[steps])
 
 
 def _unit(results: Sequence[Result], panel: Panel) -> tuple[float, str]:
@@ -230,7 +230,7 @@ def _mean_force(result: Result) -> str:
 def _shade(ax: Any, result: Result, length: float) -> None:
     """Shade the half-strokes towards +Z; `length` is what a beat is on the axis."""
     case = result.case
-    end = round(result.time[scene.last_beats(result)[-1]] / case.beat)
+    end = round(result.time[scene.last_steps(result)][-1] / case.beat)
     found = reversals(case, end - 1.0, end)
     if not len(found):
         return

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import h5py
@@ -14,13 +15,14 @@ from . import hdf
 from .reader import FORMAT
 from .variables import (
     AXES,
+    AXES_OF,
     COMPONENTS,
+    FIELD_TIME,
     MODE_VARIABLES,
     NO_COORDINATE,
     VARIABLES,
-    WAKE_COUNT,
-    WAKE_VARIABLES,
     Variable,
+    count_of,
 )
 
 WARNING_BYTES = 512
@@ -30,14 +32,36 @@ Sample = Mapping[str, np.ndarray]
 """The variables of any number of frames, none included: it gives the shape of a frame."""
 
 
-def size(case: Case, sample: Sample, vortices: int) -> int:
-    """Bytes that the frames of a case take."""
-    return frames(case) * sum(_row_bytes(name, sample) for name in VARIABLES) + 16 * vortices
+@dataclass(frozen=True)
+class Contents:
+    """What a fluid model adds to the file of a case.
+
+    Attributes:
+        outputs: the variables that it stores, by name; that of a ragged one is `GROUP/NAME`.
+        axes: the values of the axes that they need beyond those of every file, and what these are.
+        room: the length of every ragged axis.
+    """
+
+    outputs: Mapping[str, Variable] = field(default_factory=dict)
+    axes: Mapping[str, tuple[np.ndarray, Variable]] = field(default_factory=dict)
+    room: Mapping[str, int] = field(default_factory=dict)
 
 
-def frames(case: Case) -> int:
-    """Frames of a whole run."""
-    return case.steps // case.output.every + 1
+def plan(sample: Sample, contents: Contents) -> dict[str, Variable]:
+    """The variables over time of a file: those of every model that are not empty, then the fluid model's own."""
+    own = {name: one for name, one in VARIABLES.items() if name in sample} | dict(contents.outputs)
+    return {name: one for name, one in own.items() if "/" in name or np.prod(sample[name].shape[1:])}
+
+
+def size(case: Case, sample: Sample, contents: Contents) -> int:
+    """Bytes that the variables of a case take."""
+    total = 0
+    for name, one in plan(sample, contents).items():
+        ragged = "/" in name
+        rows = contents.room[one.dimensions[0]] if ragged else case.frames() if one.field else case.steps + 1
+        items = 1 if ragged else int(np.prod(sample[name].shape[1:]))
+        total += rows * items * np.dtype(one.dtype).itemsize
+    return total
 
 
 class Layout:
@@ -50,23 +74,26 @@ class Layout:
         nodes: chordwise positions of the nodes, m.
         section: the wing's modes.
         sample: the variables, see `Sample`.
-        vortices: sum over all frames of the number of wake vortices.
+        contents: what the fluid model adds.
     """
 
     def __init__(
         self, file: Any, case: Case, warnings: list[str], nodes: np.ndarray, section: Modes, sample: Sample,
-        vortices: int,
+        contents: Contents,
     ) -> None:  # fmt: skip
         self._file = file
+        self._every = case.output.every
+        self._rows = {"time": case.steps + 1, FIELD_TIME: case.frames()}
         self._axes: dict[str, Any] = {}
-        count = frames(case)
         self._describe(case, warnings)
-        self._lay_out_axes(count, nodes, section)
-        for name, variable in VARIABLES.items():
-            if name in sample and np.prod(sample[name].shape[1:]):
-                self._lay_out_variable(name, variable, (count, *sample[name].shape[1:]))
-        if "wake_count" in sample:
-            self._lay_out_wake(count, vortices)
+        self._lay_out_axes(nodes, section, contents)
+        found = plan(sample, contents)
+        for name, variable in found.items():
+            if "/" not in name:
+                self._lay_out_variable(name, variable, sample[name].shape[1:])
+        for group in dict.fromkeys(name.partition("/")[0] for name in found if "/" in name):
+            members = {name.partition("/")[2]: one for name, one in found.items() if name.startswith(f"{group}/")}
+            self._lay_out_ragged(group, members, contents.room)
 
     def _describe(self, case: Case, warnings: list[str]) -> None:
         now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
@@ -87,8 +114,9 @@ class Layout:
         hdf.note(self._file, {"status": "running"}, len("complete"))
         hdf.note(self._file, {"reason": ""}, hdf.REASON_BYTES)
 
-    def _lay_out_axes(self, frames: int, nodes: np.ndarray, section: Modes) -> None:
-        self._make_axis("time", _place(self._file, "time", (frames,), "f8", fillvalue=np.nan))
+    def _lay_out_axes(self, nodes: np.ndarray, section: Modes, contents: Contents) -> None:
+        for name in ("time", FIELD_TIME)[: 1 if self._every == 1 else 2]:
+            self._make_axis(name, _place(self._file, name, (self._rows[name],), "f8"), AXES[name])
         axes = {
             "mode": np.arange(1, section.count + 1),
             "node": nodes,
@@ -97,7 +125,9 @@ class Layout:
         }
         for name, values in axes.items():
             if len(values):
-                self._make_axis(name, self._file.create_dataset(name, data=values))
+                self._make_axis(name, self._file.create_dataset(name, data=values), AXES[name])
+        for name, (values, meaning) in contents.axes.items():
+            self._make_axis(name, self._file.create_dataset(name, data=values), meaning)
         if not section.count:
             return
         group = self._file.create_group("modes")
@@ -111,42 +141,42 @@ class Layout:
             self._attach(group.create_dataset(name, data=values), MODE_VARIABLES[name])
 
     def _lay_out_variable(self, name: str, variable: Variable, shape: tuple[int, ...]) -> None:
-        kind = "f4" if variable.single else "f8"
-        self._attach(_place(self._file, name, shape, kind, fillvalue=np.nan), variable)
+        axes = variable.axes(self._every)
+        self._attach(_place(self._file, name, (self._rows[axes[0]], *shape), variable.dtype), variable)
+        if name not in VARIABLES:
+            # What a reader of ours goes by: a variable of the model's own.
+            hdf.note(self._file[name], {AXES_OF: " ".join(axes)})
 
-    def _lay_out_wake(self, frames: int, vortices: int) -> None:
-        group = self._file.create_group("wake")
+    def _lay_out_ragged(self, name: str, members: Mapping[str, Variable], room: Mapping[str, int]) -> None:
+        group = self._file.create_group(name)
+        (along,) = {one.dimensions[0] for one in members.values()}
         # In chunks that are never written: it takes no room.
-        axis = group.create_dataset("vortex", (vortices,), "f4", chunks=(8192,), maxshape=(None,))
+        axis = group.create_dataset(along, (room[along],), "f4", chunks=(8192,), maxshape=(None,))
         axis.make_scale(NO_COORDINATE)
-        self._axes["vortex"] = axis
-        for name, variable in WAKE_VARIABLES.items():
-            kind = "i4" if name == "birth" else "f4"
-            # Whatever stands there: the frames to come count no vortices.
-            self._attach(_place(group, name, (vortices,), kind, fill_time="never"), variable)
-        count = _place(group, "count", (frames,), "i4", fillvalue=0)
-        self._attach(count, WAKE_COUNT)
-        hdf.note(count, {"sample_dimension": "vortex"})
+        self._axes[along] = axis
+        for member, variable in members.items():
+            # Whatever stands there: the frames to come count no entries.
+            placed = _place(group, member, (room[along],), variable.dtype, fill_time="never")
+            self._attach(placed, variable)
+        counted = count_of(name)
+        count = _place(group, "count", (self._rows[counted.axes(self._every)[0]],), counted.dtype)
+        self._attach(count, counted)
+        hdf.note(count, {"sample_dimension": along})
 
-    def _make_axis(self, name: str, dataset: Any) -> None:
+    def _make_axis(self, name: str, dataset: Any, meaning: Variable) -> None:
         dataset.make_scale(name)
-        hdf.note(dataset, AXES[name].attributes)
+        hdf.note(dataset, meaning.attributes)
         self._axes[name] = dataset
 
     def _attach(self, dataset: Any, variable: Variable) -> None:
         hdf.note(dataset, variable.attributes)
-        for position, name in enumerate(variable.dimensions):
+        for position, name in enumerate(variable.axes(self._every)):
             dataset.dims[position].attach_scale(self._axes[name])
 
 
 def _place(group: Any, name: str, shape: tuple[int, ...], kind: str, **fill: Any) -> Any:
-    """A dataset in one piece whose room is reserved, and filled, at once."""
+    """A dataset in one piece whose room is reserved, and filled, at once: with not-a-number, or 0 in integers."""
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    fill = fill or {"fillvalue": 0 if kind.startswith("i") else np.nan}
     return group.create_dataset(name, shape, kind, dcpl=properties, **fill)
-
-
-def _row_bytes(name: str, sample: Mapping[str, np.ndarray]) -> int:
-    """Bytes of a frame of a variable."""
-    items = int(np.prod(sample[name].shape[1:])) if name in sample else 0
-    return items * (4 if VARIABLES[name].single else 8)

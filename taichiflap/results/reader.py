@@ -3,6 +3,8 @@
 import bisect
 import functools
 import os
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -14,10 +16,10 @@ from ..case.case import Case, CaseError, held_case
 from ..errors import UserError, extra
 from . import integrity
 from .integrity import DAMAGE, DamageError
-from .variables import COMPONENTS, MODE_VARIABLES, VARIABLES, WAKE_VARIABLES
+from .variables import AXES, AXES_OF, COMPONENTS, FIELD_TIME, MODE_VARIABLES, VARIABLES, WAKE_VARIABLES, Variable
 
-FORMAT = 1
-"""Version of the layout; a reader refuses files of a newer one."""
+FORMAT = 2
+"""Version of the layout; a reader refuses files of a newer one. The first stored series in the frames alone."""
 
 PART = ".part"
 """What the name of a file ends in until it is complete."""
@@ -33,7 +35,7 @@ STATUSES = ("running", "complete", "failed")
 REQUIRED = (
     "plunge", "pitch", "q", "q_rate", "tip_deflection", "force_normal", "force_axial", "force_y", "force_z",
     "force_vertical", "force_vertical_normal", "moment", "power", "power_aerodynamic", "power_inertial",
-    "node_position",
+    "node_position", "pressure_jump",
 )  # fmt: skip
 """Variables that every model has; those over modes only if the wing bends."""
 
@@ -45,21 +47,22 @@ class ResultError(UserError):
 class Result:
     """A result, read as needed: `result.tip_deflection` is an array, `result.case` the case, in SI units.
 
-    Every variable of the file is an attribute; `dir(result)` and `result.variables` list them.
+    Every variable of the file is an attribute; `dir(result)` and `result.variables` list them. Series have every step
+    of the march, `result.time`. Fields have frames: every `output.every`-th step and the last, `result.field_time`.
     """
 
     def __init__(self, file: Any, path: Path | None = None) -> None:
         self.file = file
         self.path = path
-        self._frames = _whole_frames(file)
-        self._wake_ends = np.empty(0, dtype=np.int64)
+        self._steps = _whole_steps(file)
+        self._ends: dict[str, np.ndarray] = {}
         # An open dataset keeps its chunks: frames in a row are read from memory.
         self._open: dict[str, Any] = {}
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("_") or name not in self.variables:
             raise AttributeError(f"no variable {name!r} in this result; it has {', '.join(self.variables)}")
-        return self._sound(name, self.file[name][: self.frames])
+        return self._sound(name, self.file[name][: self._rows(name)])
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.variables]
@@ -71,7 +74,7 @@ class Result:
         self.close()
 
     def __repr__(self) -> str:
-        return f"<Result {self.case.title!r}, {self.status}, {self.frames} frames>"
+        return f"<Result {self.case.title!r}, {self.status}, {self.steps} steps, {self.frames} frames>"
 
     def close(self) -> None:
         """Close the file; a result in memory is lost."""
@@ -80,7 +83,18 @@ class Result:
     @property
     def variables(self) -> list[str]:
         """Names of the variables over time."""
-        return [name for name in ("time", *VARIABLES) if name in self.file]
+        return [name for name in ("time", FIELD_TIME, *VARIABLES) if name in self.file] + list(self._own)
+
+    @functools.cached_property
+    def _own(self) -> dict[str, Variable]:
+        """The variables that only their fluid model knows."""
+        return _own_variables(self.file)
+
+    def describe(self, name: str) -> Variable:
+        """What a variable is: its axes, units and meaning."""
+        if name in (*AXES, *self._own):
+            return AXES[name] if name in AXES else self._own[name]
+        return replace(VARIABLES[name], dimensions=VARIABLES[name].axes(self.case.output.every))
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -101,9 +115,28 @@ class Result:
         return held_case(integrity.attribute(self.file, "case"), "the result's case")
 
     @property
+    def steps(self) -> int:
+        """Number of steps stored, step 0 included, as of the opening or the last `refresh`."""
+        return self._steps
+
+    @property
     def frames(self) -> int:
-        """Number of frames stored, as of the opening or the last `refresh`."""
-        return self._frames
+        """Number of frames of fields stored, as of the opening or the last `refresh`."""
+        return self.case.frames(self._steps)
+
+    @property
+    def field_time(self) -> np.ndarray:
+        """Times of the frames, s; `time` itself where every step stores its fields."""
+        name = FIELD_TIME if FIELD_TIME in self.file else "time"
+        return self._sound(name, self.file[name][: self.frames])
+
+    def _rows(self, name: str) -> int:
+        return self.frames if self._is_field(name) else self._steps
+
+    def _is_field(self, name: str) -> bool:
+        if name in VARIABLES:
+            return VARIABLES[name].field
+        return name == FIELD_TIME or (name in self._own and self._own[name].field)
 
     @property
     def modes(self) -> dict[str, np.ndarray]:
@@ -114,12 +147,14 @@ class Result:
         return {name: values[...] for name, values in self.file.get("modes", {}).items()}
 
     def frame(self, name: str, index: int) -> np.ndarray:
-        """One frame of a variable, without reading the others."""
-        return self._sound(name, self._dataset(name)[range(self.frames)[index]])
+        """One frame of a variable, without reading the others; of a series its value at the frame's time."""
+        index = range(self.frames)[index]
+        row = index if self._is_field(name) else int(self.case.step_of(index))
+        return self._sound(name, self._dataset(name)[row])
 
     def between(self, name: str, first: int, last: int, stride: int = 1) -> np.ndarray:
-        """Every so many frames of a variable from `first` to `last`, both included, without reading the others."""
-        return self._sound(name, self._dataset(name)[first : min(last + 1, self.frames) : stride])
+        """Every so many steps of a series, or frames of a field, from `first` to `last`, both included."""
+        return self._sound(name, self._dataset(name)[first : min(last + 1, self._rows(name)) : stride])
 
     @property
     def stations(self) -> np.ndarray:
@@ -138,12 +173,16 @@ class Result:
         """
         if not self.has_wake:
             return {name: np.empty(0) for name in WAKE_VARIABLES}
+        return self.ragged("wake", WAKE_VARIABLES, index)
+
+    def ragged(self, group: str, names: Iterable[str], index: int) -> dict[str, np.ndarray]:
+        """One frame of some variables of a group whose frames differ in length."""
         index = range(self.frames)[index]
-        if not len(self._wake_ends):
-            self._wake_ends = np.cumsum(self.file["wake/count"][: self.frames], dtype=np.int64)
-        first = 0 if index == 0 else int(self._wake_ends[index - 1])
-        last = int(self._wake_ends[index])
-        return {name: self._sound(name, self._dataset(f"wake/{name}")[first:last]) for name in WAKE_VARIABLES}
+        if group not in self._ends:
+            self._ends[group] = np.cumsum(self.file[f"{group}/count"][: self.frames], dtype=np.int64)
+        ends = self._ends[group]
+        first, last = 0 if index == 0 else int(ends[index - 1]), int(ends[index])
+        return {name: self._sound(name, self._dataset(f"{group}/{name}")[first:last]) for name in names}
 
     def refresh(self) -> None:
         """Look again at a file that is still being written, or that has got its final name since.
@@ -179,13 +218,12 @@ class Result:
             ResultError: when xarray is not installed.
         """
         xarray = extra("xarray", "xarray", "to_xarray needs xarray", ResultError)
-        arrays = {
-            name: (VARIABLES[name].dimensions, getattr(self, name), VARIABLES[name].attributes)
-            for name in self.variables
-            if name != "time"
-        }
-        axes = {name: (name, self.file[name][...]) for name in ("mode", "node", "panel") if name in self.file}
-        coordinates = {"time": self.time, "component": list(COMPONENTS), **axes}
+        described = {name: self.describe(name) for name in self.variables if name not in ("time", FIELD_TIME)}
+        arrays = {name: (one.dimensions, getattr(self, name), one.attributes) for name, one in described.items()}
+        used = {axis for one in described.values() for axis in one.dimensions} - {"time", FIELD_TIME, "component"}
+        axes = {name: (name, self.file[name][...]) for name in sorted(used)}
+        times = {name: getattr(self, name) for name in ("time", FIELD_TIME) if name in self.variables}
+        coordinates = {**times, "component": list(COMPONENTS), **axes}
         return xarray.Dataset(arrays, coordinates, self.attributes)
 
 
@@ -233,13 +271,24 @@ def part(path: Path) -> Path:
     return path.with_name(path.name + PART)
 
 
-def _whole_frames(file: Any) -> int:
-    """Frames that are stored: those to come have no time yet."""
+def _whole_steps(file: Any) -> int:
+    """Steps that are stored: those to come have no time yet."""
     time = file["time"]
-    names = [name.encode() for name in VARIABLES]
-    # Past h5py's own objects, whose making takes longer than all the rest.
-    shortest = min([len(time), *(h5py.h5d.open(file.id, name).shape[0] for name in names if name in file.id)])
-    return bisect.bisect_left(range(shortest), True, key=lambda index: bool(np.isnan(time[index])))
+    return bisect.bisect_left(range(len(time)), True, key=lambda index: bool(np.isnan(time[index])))
+
+
+def _own_variables(file: Any) -> dict[str, Variable]:
+    """The variables over time that only the file's fluid model knows, by what the file says of them."""
+    found = {}
+    for name in file:
+        if name in VARIABLES or not isinstance(file.get(name, getlink=True), h5py.HardLink):
+            continue
+        if isinstance(file[name], h5py.Dataset) and AXES_OF in file[name].attrs:
+            words = integrity.attributes(file[name], ("units", "long_name", "symbol", "comment", AXES_OF))
+            axes = tuple(str(words.pop(AXES_OF)).split())
+            kind = file[name].dtype.str[1:]
+            found[name] = Variable(axes, **{"units": "", "long_name": name} | words, dtype=kind, field=len(axes) > 1)
+    return found
 
 
 def _checked(file: Any, path: Path) -> Result:
@@ -251,6 +300,11 @@ def _checked(file: Any, path: Path) -> Result:
         if version > FORMAT:
             raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
         case = held_case(integrity.attribute(file, "case"), str(path))
+        if version < FORMAT and case.output.every > 1:
+            raise ResultError(
+                f"{path}: written by an older taichiflap with output.every = {case.output.every}, which left out the "
+                "steps between; compute it again"
+            )
         _check_contents(file, case)
     except ResultError:
         raise
@@ -270,35 +324,61 @@ def _check_contents(file: Any, case: Case) -> None:
         raise DamageError("a solve_time or warnings of another kind")
     if integrity.attribute(file, "status") not in STATUSES:
         raise DamageError("no status")
-    frames, modes = case.steps // case.output.every + 1, case.wing.modes
+    modes = case.wing.modes
     (nodes,) = integrity.array(file, "node", (None,), "f")
-    sizes = {"time": frames, "mode": modes, "node": nodes, "panel": nodes - 1, "component": len(COMPONENTS)}
-    integrity.array(file, "time", (frames,), "f")
+    sizes = {
+        "time": case.steps + 1, FIELD_TIME: case.frames(), "mode": modes, "node": nodes, "panel": nodes - 1,
+        "component": len(COMPONENTS),
+    }  # fmt: skip
+    times = ("time",) if case.output.every == 1 else ("time", FIELD_TIME)
+    for name in times:
+        integrity.array(file, name, (sizes[name],), "f")
     integrity.array(file, "panel", (sizes["panel"],), "f")
     for name, variable in VARIABLES.items():
-        shape = tuple(sizes[axis] for axis in variable.dimensions)
+        shape = tuple(sizes[axis] for axis in variable.axes(case.output.every))
         if 0 not in shape and (name in REQUIRED or name in file):
             integrity.array(file, name, shape, "f")
-    if case.solver in ("uvlm", "dbet"):
-        integrity.array(file, "pressure_jump", (frames, nodes - 1), "f")
+    for name, variable in _own_variables(file).items():
+        for axis in variable.dimensions:
+            if axis not in sizes:
+                (sizes[axis],) = integrity.array(file, axis, (None,), "f")
+        if variable.dimensions[:1] != (times[-1],) if variable.field else variable.dimensions != ("time",):
+            raise DamageError(f"{name} does not go over {times[-1]}")
+        integrity.array(file, name, tuple(sizes[axis] for axis in variable.dimensions), "if")
     if modes:
         integrity.array(file, "mode", (modes,), "i")
         group = integrity.group(file, "modes")
         for name, variable in MODE_VARIABLES.items():
             integrity.array(group, name, tuple(sizes[axis] for axis in variable.dimensions), "f")
             integrity.numbers(group[name][...], name)
-    if "wake" in file:
-        group = integrity.group(file, "wake")
-        integrity.array(group, "count", (frames,), "i")
-        lengths = {integrity.array(group, name, (None,), "if") for name in WAKE_VARIABLES}
-        if len(lengths) > 1:
-            raise DamageError("the wake has arrays of several lengths")
-    times = file["time"][: _whole_frames(file)]
-    astray = np.flatnonzero(
-        ~(np.abs(times - case.step * case.output.every * np.arange(len(times))) <= 1e-6 * case.duration)
-    )
+    for name in _ragged_groups(file):
+        _check_ragged(integrity.group(file, name), name, sizes[times[-1]])
+    steps = _whole_steps(file)
+    _check_times(file["time"][:steps], np.arange(steps), case, "step")
+    if FIELD_TIME in times:
+        frames = case.frames(steps)
+        _check_times(file[FIELD_TIME][:frames], case.step_of(np.arange(frames)), case, "frame")
+
+
+def _ragged_groups(file: Any) -> list[str]:
+    links = {name: file.get(name, getlink=True) for name in file}
+    held = [name for name, link in links.items() if name != "modes" and isinstance(link, h5py.HardLink)]
+    return [name for name in held if isinstance(file[name], h5py.Group)]
+
+
+def _check_ragged(group: Any, name: str, frames: int) -> None:
+    """The arrays of a ragged group have one length, and each frame's count."""
+    integrity.array(group, "count", (frames,), "i")
+    names = WAKE_VARIABLES if name == "wake" else [one for one in group if one != "count"]
+    lengths = {integrity.array(group, one, (None,), "if", whole=one in WAKE_VARIABLES) for one in names}
+    if len(lengths) > 1:
+        raise DamageError(f"the {name} has arrays of several lengths")
+
+
+def _check_times(times: np.ndarray, steps: np.ndarray, case: Case, what: str) -> None:
+    astray = np.flatnonzero(~(np.abs(times - case.step * steps) <= 1e-6 * case.duration))
     if len(astray):
-        raise DamageError(f"frame {astray[0]} has the time {times[astray[0]]:g} s")
+        raise DamageError(f"{what} {astray[0]} has the time {times[astray[0]]:g} s")
 
 
 def first_line(error: OSError) -> str:

@@ -1,21 +1,37 @@
 """The variables of a result: names, dimensions, units, signs and what they mean."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
 """What netCDF-4 calls a dimension scale that holds no values."""
+FIELD_TIME = "field_time"
+"""Axis of the times at which fields are stored, where these are not all steps."""
+
+
+AXES_OF = "axes"
+"""Attribute of a variable that only its fluid model knows: the names of its axes."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One array of the file: dimensions, units and what it means."""
+    """One array of the file: dimensions, units and what it means.
+
+    A field is stored every `output.every` steps and at the last one; all else that goes over time has every step.
+    """
 
     dimensions: tuple[str, ...]
     units: str
     long_name: str
     symbol: str = ""
     comment: str = ""
-    single: bool = False
+    dtype: str = "f8"
+    field: bool = False
+
+    def axes(self, every: int) -> tuple[str, ...]:
+        """The dimensions in a file that stores a field every so many steps: `field_time` instead of `time`, if any."""
+        if not self.field or every == 1:
+            return self.dimensions
+        return tuple(FIELD_TIME if name == "time" else name for name in self.dimensions)
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -70,31 +86,40 @@ VARIABLES = {
         "eight vortices a step, against the sum over all pairs; uvlm.far_error bounds it",
     ),
     "node_position": Variable(
-        ("time", "node", "component"), "m", "position of the wing's nodes", "R", _INERTIAL, single=True
+        ("time", "node", "component"), "m", "position of the wing's nodes", "R", _INERTIAL, dtype="f4", field=True
     ),
     "panel_circulation": Variable(
-        ("time", "panel"), "m2 s-1", "circulation of the bound vortices", "Gamma_i", _SPIN, single=True
+        ("time", "panel"), "m2 s-1", "circulation of the bound vortices", "Gamma_i", _SPIN, dtype="f4", field=True
     ),
     "pressure_jump": Variable(
-        ("time", "panel"), "Pa", "normal force of the fluid per area", "dP", _NORMAL, single=True
+        ("time", "panel"), "Pa", "normal force of the fluid per area", "dP", _NORMAL, dtype="f4", field=True
     ),
-    "shear": Variable(("time", "panel"), "Pa", "chordwise force of the fluid per area", "", _CHORD, single=True),
+    "shear": Variable(("time", "panel"), "Pa", "chordwise force of the fluid per area", "", _CHORD, "f4", True),
 }  # fmt: skip
 
 WAKE_VARIABLES = {
-    "y": Variable(("vortex",), "m", "position of the wake vortices along Y", "Y", _INERTIAL, single=True),
-    "z": Variable(("vortex",), "m", "position of the wake vortices along Z", "Z", _INERTIAL, single=True),
-    "circulation": Variable(("vortex",), "m2 s-1", "circulation of the wake vortices", "Gamma", _SPIN, single=True),
-    "birth": Variable(("vortex",), "1", "time step at which the vortex was shed"),
+    "y": Variable(("vortex",), "m", "position of the wake vortices along Y", "Y", _INERTIAL, "f4"),
+    "z": Variable(("vortex",), "m", "position of the wake vortices along Z", "Z", _INERTIAL, "f4"),
+    "circulation": Variable(("vortex",), "m2 s-1", "circulation of the wake vortices", "Gamma", _SPIN, "f4"),
+    "birth": Variable(("vortex",), "1", "time step at which the vortex was shed", dtype="i4"),
 }
 
-WAKE_COUNT = Variable(("time",), "1", "number of wake vortices in the frame")
+WAKE_COUNT = Variable(("time",), "1", "number of wake vortices in the frame", dtype="i4", field=True)
+
+
+def count_of(group: str) -> Variable:
+    """The variable that counts the entries of a ragged group in each frame."""
+    if group == "wake":
+        return WAKE_COUNT
+    return replace(WAKE_COUNT, long_name=f"number of entries of {group} in the frame")
+
 
 COMPONENTS = ("Y", "Z")
 """Axes of the inertial frame."""
 
 AXES = {
     "time": Variable((), "s", "time", "t"),
+    FIELD_TIME: Variable((), "s", "time at which fields are stored", "t", "there where output.every is not 1"),
     "mode": Variable((), "1", "number of the elastic mode", "k"),
     "node": Variable((), "m", "chordwise position of the nodes, from the pivot", "y"),
     "panel": Variable((), "m", "chordwise position of the middles of panels or elements, from the pivot", "y"),

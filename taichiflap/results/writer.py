@@ -21,9 +21,9 @@ from ..case.case import Case
 from ..structure.beam import Modes
 from . import checkpoint, hdf, layout, ownership
 from .checkpoint import Checkpoint
-from .layout import Layout, Sample
+from .layout import Contents, Layout, Sample
 from .reader import Result, ResultError, first_line, open_result, part
-from .variables import VARIABLES, WAKE_VARIABLES
+from .variables import FIELD_TIME, Variable
 
 
 class WriteError(ResultError):
@@ -34,6 +34,9 @@ class WriteError(ResultError):
 
 class Writer:
     """Writes one result: construct, `lay_out`, `append` block by block, `finish`.
+
+    Attributes:
+        steps: how many steps are written.
 
     Args:
         case: what is being computed.
@@ -52,11 +55,12 @@ class Writer:
     ) -> None:
         self.case = case
         self.path = path
-        self.frames = 0
+        self.steps = 0
+        self._plan: dict[str, Variable] = {}
         self._overwrite = overwrite
         self._kept = time.monotonic()
         self._warnings = warnings
-        self._vortices = 0
+        self._entries: dict[str, int] = {}
         self._file: Any = None
         self._raw: Any = None
         self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
@@ -64,27 +68,28 @@ class Writer:
         if path is not None:
             ownership.check(path, overwrite)
             self._file = ownership.reopen(path, case, overwrite, resume)
-        if self._file is not None:
-            self._find_places()
 
-    def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, vortices: int = 0) -> None:
+    def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
         """Give everything its place; a file that is resumed has it already.
 
         Args:
             nodes: chordwise positions of the nodes, m.
             section: the wing's modes.
             sample: what `append` will get, of any number of frames, none included.
-            vortices: sum over all frames of the number of wake vortices.
+            contents: what the fluid model adds.
 
         Raises:
             ResultError: when there is no room, or another run has begun the same file.
         """
+        contents = contents or Contents()
+        self._plan = layout.plan(sample, contents)
         if self._file is not None:
+            self._find_places()
             return
         try:
-            self._check_room(layout.size(self.case, sample, vortices))
+            self._check_room(layout.size(self.case, sample, contents))
             self._file = self._create()
-            Layout(self._file, self.case, self._warnings, nodes, section, sample, vortices)
+            Layout(self._file, self.case, self._warnings, nodes, section, sample, contents)
             self._file.flush()
             self._publish()
             self._find_places()
@@ -98,43 +103,51 @@ class Writer:
 
     @property
     def stored(self) -> int:
-        """Frames that the file holds."""
-        return Result(self._file).frames
+        """Steps that the file holds."""
+        return Result(self._file).steps
 
     def written(self, name: str) -> np.ndarray:
-        """What was appended of a variable of one value a frame; past HDF5, which need not know of it yet."""
+        """What was appended of a variable of one value a step; past HDF5, which need not know of it yet."""
         offset, kind = self._places[name]
         self._raw.seek(offset)
-        return np.frombuffer(self._raw.read(self.frames * kind.itemsize), kind)
+        return np.frombuffer(self._raw.read(self.steps * kind.itemsize), kind)
 
-    def rewind(self, frames: int) -> None:
-        """Go on after so many frames; those behind are written anew."""
-        self.frames = frames
-        self._vortices = int(np.sum(self._file["wake/count"][:frames], dtype=np.int64)) if "wake" in self._file else 0
+    def rewind(self, steps: int) -> None:
+        """Go on after so many steps; what is behind them is written anew."""
+        self.steps = steps
+        frames = self.case.frames(steps)
+        groups = {name.partition("/")[0] for name in self._places if "/" in name}
+        self._entries = {group: int(np.sum(self._file[f"{group}/count"][:frames], dtype=np.int64)) for group in groups}
 
     def append(self, variables: Mapping[str, np.ndarray]) -> None:
-        """Add a block of frames and hand it to the system.
+        """Add a block of steps, and of the frames among them, and hand it to the system.
 
         Raises:
-            WriteError: when the disk refuses; the frames before are safe.
+            WriteError: when the disk refuses; the steps before are safe.
         """
-        blocks = {name: (self.frames, variables[name]) for name in VARIABLES if name in variables}
-        vortices = 0
-        if "wake_count" in variables:
-            vortices = len(variables["wake_birth"])
-            wake = (*variables["wake"], variables["wake_birth"])
-            blocks |= {f"wake/{name}": (self._vortices, row) for name, row in zip(WAKE_VARIABLES, wake, strict=True)}
-            blocks["wake/count"] = (self.frames, variables["wake_count"])
-        # Its time says that a frame is whole, so nothing of the frame may come later.
-        blocks["time"] = (self.frames, variables["time"])
+        frames = self.case.frames(self.steps)
+        blocks: dict[str, tuple[int, np.ndarray]] = {}
+        for name, one in self._plan.items():
+            group = name.partition("/")[0]
+            if group != name:
+                blocks[name] = self._entries.get(group, 0), variables[name]
+                blocks[f"{group}/count"] = frames, variables[f"{group}/count"]
+            else:
+                blocks[name] = frames if one.field else self.steps, variables[name]
+        if FIELD_TIME in self._places:
+            blocks[FIELD_TIME] = frames, variables[FIELD_TIME]
+        # Its time says that a step is whole, so nothing of it, or of its frame, may come later.
+        blocks["time"] = self.steps, variables["time"]
         try:
             for name, (first, values) in blocks.items():
-                if name in self._places:
-                    self._put(name, first, values)
+                self._put(name, first, values)
         except OSError as error:
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
-        self.frames += len(variables["time"])
-        self._vortices += vortices
+        self.steps += len(variables["time"])
+        for name, values in variables.items():
+            group, slash, last = name.partition("/")
+            if slash and last == "count":
+                self._entries[group] = self._entries.get(group, 0) + int(np.sum(values, dtype=np.int64))
 
     def _put(self, name: str, first: int, values: np.ndarray) -> None:
         """Write rows straight to their place in the file: HDF5 takes ten times as long to find it."""
@@ -218,9 +231,9 @@ class Writer:
         """Where in the file the variables over time begin."""
         if self.path is not None:
             self._raw = open(part(self.path), "r+b", buffering=0)  # noqa: SIM115 - closed by `finish` or `abandon`
-        names = [name for name in ("time", *VARIABLES) if name in self._file]
-        names += [f"wake/{name}" for name in (*WAKE_VARIABLES, "count") if f"wake/{name}" in self._file]
-        for name in names:
+        groups = {name.partition("/")[0] for name in self._plan if "/" in name}
+        times = [name for name in ("time", FIELD_TIME) if name in self._file]
+        for name in (*times, *self._plan, *(f"{group}/count" for group in groups)):
             dataset = h5py.h5d.open(self._file.id, name.encode())
             self._places[name] = (dataset.get_offset(), dataset.dtype)
 

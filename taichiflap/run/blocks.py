@@ -9,12 +9,15 @@ import numpy as np
 
 from .. import fluids
 from ..case.case import Case
+from ..fluids.interface import Model
 from ..march import loads
 from ..march.march import March
 from ..results import checkpoint
 from ..results.checkpoint import Checkpoint
+from ..results.layout import Contents
 from ..results.ownership import finished
 from ..results.reader import Result, ResultError
+from ..results.variables import Variable
 from ..results.writer import Writer
 from . import warnings
 
@@ -25,7 +28,7 @@ BLOCK_SECONDS = 0.1
 """Time between two writes, about: for a lively progress bar, and to stop at a word."""
 BLOCK_STEPS = 4096
 BLOCK_BYTES = 2**26
-"""A block is never of more steps, or of more bytes of frames."""
+"""A block is never of more steps, or of more bytes of what it stores."""
 FIRST_WORK = 2e7
 """Pair interactions of the first block; those of the others follow from the time that it took."""
 
@@ -140,7 +143,7 @@ def _run(
                 yield loads.derive(case, march.sections[b], fluid.nodes(case), march.motion[b], frames)
 
         for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
-            writer.lay_out(fluid.nodes(writer.case), section, sample, fluid.vortices(writer.case))
+            writer.lay_out(fluid.nodes(writer.case), section, sample, _contents(fluid, writer.case))
         solve_time = _take_up(march, writers, resumed)
         most = FIRST_WORK
         while not march.done:
@@ -170,22 +173,33 @@ def _run(
 def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint | None] | None) -> float:
     """Put a march where interrupted runs stopped; the seconds that they had taken."""
     kept = [one for one in resumed or () if one]
-    frames = [-(-kept[0].next_step // writer.case.output.every) for writer in writers] if kept else []
     # What a checkpoint counts on must be there: the file may have been moved away, or begun anew.
-    if len(kept) < len(writers) or any(w.stored < count for w, count in zip(writers, frames, strict=True)):
+    if len(kept) < len(writers) or any(writer.stored < _reached(writer, kept[0]) for writer in writers):
         return 0.0
     march.restore([one.state for one in kept], kept[0].next_step)
-    for writer, count in zip(writers, frames, strict=True):
-        writer.rewind(count)
+    for writer in writers:
+        writer.rewind(_reached(writer, kept[0]))
     return kept[0].solve_time
 
 
-def _block(cases: Sequence[Case], fluid: Any, first: int, most: float) -> tuple[int, float]:
+def _reached(writer: Writer, kept: Checkpoint) -> int:
+    return min(kept.next_step, writer.case.steps + 1)
+
+
+def _contents(fluid: Model, case: Case) -> Contents:
+    axes = {
+        name: (np.asarray(axis.values, dtype=np.float64), Variable((), axis.units, axis.long_name, axis.symbol))
+        for name, axis in fluid.axes(case).items()
+    }
+    return Contents({one.name: one.variable for one in fluid.stored(case)}, axes, fluid.totals(case))
+
+
+def _block(cases: Sequence[Case], fluid: Model, first: int, most: float) -> tuple[int, float]:
     """Steps to march from `first` on before the next write, and their work, within `most` if that can be.
 
     Halved until they fit, so that frames of few sizes need room.
     """
-    size = sum(fluid.frame_bytes(case) / case.output.every for case in cases)
+    size = sum(fluid.frame_bytes(case) / case.output.every + 8.0 * (4 + 4 * case.wing.modes) for case in cases)
     steps = BLOCK_STEPS
     while True:
         # A wake grows: its last step is the most work.

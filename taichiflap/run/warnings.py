@@ -140,6 +140,8 @@ def _angle(case: Case) -> float:
 def file_size(case: Case) -> float:
     """Size of a case's result file, bytes, but for a few percent."""
     model = fluids.load(case.solver)
-    points = len(model.nodes(case))
-    frame = 8.0 * (18 + 4 * case.wing.modes) + 4.0 * 4 * points
-    return float(frame * (case.steps // case.output.every + 1) + 16.0 * model.vortices(case))
+    step = 8.0 * (18 + 4 * case.wing.modes)
+    shape = 4.0 * 2 * len(model.nodes(case))
+    ragged = sum(4.0 * model.totals(case)[one.over[0]] for one in model.outputs if one.ragged)
+    plain = model.frame_bytes(case) - sum(4.0 * model.entries(case, case.steps) for one in model.outputs if one.ragged)
+    return float(step * (case.steps + 1) + (shape + plain) * case.frames() + ragged)

@@ -101,8 +101,7 @@ def work(case: Case) -> float:
 
 def memory(case: Case) -> float:
     """Bytes that a case takes in a batch: its motion and what the march tracks of it, twice; and the wake's ring."""
-    frames = case.steps / case.output.every
-    tracked = 2.0 * 8.0 * (4 + 4 * case.wing.modes) * frames
+    tracked = 2.0 * 8.0 * (4 + 4 * case.wing.modes) * case.steps
     return tracked + 2.0 * 8.0 * 8.0 * case.steps + 10.0 * fluids.load(case.solver).frame_bytes(case)
 
 

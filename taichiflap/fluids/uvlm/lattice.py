@@ -97,11 +97,6 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     )
 
 
-def nodes(case: Case) -> np.ndarray:
-    """Positions of the ends of the panels along the chord, from the pivot, m."""
-    return spacing.stations(case).node
-
-
 @ti.func
 def between(left, right, share):
     return left + share * (right - left)

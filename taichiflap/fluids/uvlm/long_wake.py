@@ -19,7 +19,8 @@ from ...vortex import multipole
 from ...vortex.multipole import Tree, expand, induce_by_tree, octet_at
 from ...vortex.sum import CORE2, TINY, Y, Z, induce
 from .lattice import PANELS
-from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow, ring_size
+from .stations import ring_size
+from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow
 
 WIDE = 3000
 """Vortices from which the sums of one case are worth all threads: above, they cost more than two kernel launches."""

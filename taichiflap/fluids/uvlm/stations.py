@@ -116,3 +116,9 @@ def suction_factor(case: Case) -> float:
     """
     span = Profile.of(case.wing.span).values[0]
     return float(pi * case.fluid.density * case.wing.chord * span / edge_factor(case) ** 2)
+
+
+def ring_size(case: Case) -> int:
+    """Number of vortices that a case's wake can hold: never more than it will shed."""
+    shed = case.steps + 1
+    return shed if case.uvlm.wake == "all" else min(case.uvlm.wake, shed)

@@ -9,8 +9,6 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from ...case.case import Case
 from ...kernels.arrays import array, zeros
 from ...kernels.runtime import Floats2, Floats3, Ints2, Singles3, View, ti
@@ -28,7 +26,7 @@ from ...vortex.sum import (
     sixteen,
     store_octet,
 )
-from .stations import SHARE
+from .stations import SHARE, ring_size
 
 LEAST_TRAVEL = 2e-4
 """Least distance, in chords, of a new vortex behind the trailing edge: at stroke reversal the travel vanishes."""
@@ -95,12 +93,6 @@ def _settings(case: Case) -> list[float]:
         float(uvlm.crossing == "reflect"),
         float(uvlm.precision == "single"),
     ]
-
-
-def ring_size(case: Case) -> int:
-    """Number of vortices that a case's wake can hold: never more than it will shed."""
-    shed = case.steps + 1
-    return shed if case.uvlm.wake == "all" else min(case.uvlm.wake, shed)
 
 
 @ti.func
@@ -206,14 +198,3 @@ def grow(wake: View, b, i, moved):
     if gain > 0.0:
         core = ti.min(full, ti.sqrt(wake.vortex[b, CORE2, i]) + gain * moved)
     wake.vortex[b, CORE2, i] = core * core
-
-
-def in_order(frames: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The wake's frames as contiguous ragged arrays: all vortices of frame 0, then of frame 1, ..."""
-    births, vortices, counts = frames["wake_birth"], frames["wake"], frames["wake_count"]
-    return {
-        "wake_birth": np.concatenate([births[:0].ravel(), *(row[:n] for row, n in zip(births, counts, strict=True))]),
-        "wake": np.concatenate(
-            [vortices[:0, :, 0].T, *(rows[:, :n] for rows, n in zip(vortices, counts, strict=True))], axis=1
-        ),
-    }

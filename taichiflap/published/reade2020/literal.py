@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...case.case import Case
-from ...fluids import dbet
+from ...fluids.dbet import flow as dbet
 from ...metrics.beats import settled_beats
 from ...metrics.summary import harmonic
 from ...motion import sampling

@@ -7,39 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ...case.case import Case
-from ...kernels.runtime import Floats2, Ints2, Ints3, Singles3, Singles4, View, ti
+from ...kernels.runtime import View, ti
 from ...march.state import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
 from ...structure.beam import Modes
 from ...vortex.sum import CIRCULATION, Y, Z
+from ..interface import Flow
 from . import lattice, tangential, wake
 from .lattice import ACROSS, ALONG, DENSITY, FACTOR, PANELS, TOTAL, WHOLE, between, circulation_at
 from .long_wake import LongWakes
-from .stations import ACT, AHEAD, BEHIND, NODE
+from .stations import ACT, AHEAD, BEHIND, NODE, ring_size
 from .wake import COUNT, CROSSINGS, FAR_ERROR, KEEP, OLDEST, YOUNGEST
-
-Film = ti.types.argpack(
-    circulation=Floats2,
-    panel_circulation=Singles3,
-    pressure_jump=Singles3,
-    wake_count=Ints2,
-    wake=Singles4,  # (case, frame, 3, vortex), first shed first
-    wake_birth=Ints3,
-    wake_crossings=Ints2,
-    wake_lost=Floats2,
-    wake_far_error=Floats2,
-)
-
-GROUPS = {"flow": lattice.Lattice, "wake": wake.Wake, "film": Film}
-
-nodes = lattice.nodes
-
-
-def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]:
-    """Arrays of the lattices and wakes of a batch."""
-    return {"flow": lattice.allocate(cases, sections), "wake": wake.allocate(cases)}
 
 
 @dataclass(frozen=True)
@@ -58,54 +36,18 @@ def uses(cases: Sequence[Case]) -> Uses:
         suction=any(case.uvlm.suction for case in cases),
         loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
         single_precision=any(case.uvlm.precision == "single" for case in cases),
-        absorbing=any(case.uvlm.old_wake == "absorb" and wake.ring_size(case) <= case.steps for case in cases),
+        absorbing=any(case.uvlm.old_wake == "absorb" and ring_size(case) <= case.steps for case in cases),
     )
 
 
-def ahead(cases: Sequence[Case], groups: dict[str, Any], threads: int | None) -> LongWakes:
-    """What a step of long wakes is worth doing on all threads."""
-    return LongWakes(cases, groups["wake"], groups["flow"], groups["body"].failed, threads)
-
-
-def film(cases: Sequence[Case], frames: int) -> Any:
-    """Room for `frames` frames of the fields along the chord and of the wake."""
-    count = len(cases)
-    panels = max(case.uvlm.panels for case in cases)
-    vortices = max(wake.ring_size(case) for case in cases)
-    return Film(
-        circulation=ti.ndarray(ti.f64, (count, frames)),
-        panel_circulation=ti.ndarray(ti.f32, (count, frames, panels)),
-        pressure_jump=ti.ndarray(ti.f32, (count, frames, panels)),
-        wake_count=ti.ndarray(ti.i32, (count, frames)),
-        wake=ti.ndarray(ti.f32, (count, frames, 3, vortices)),
-        wake_birth=ti.ndarray(ti.i32, (count, frames, vortices)),
-        wake_crossings=ti.ndarray(ti.i32, (count, frames)),
-        wake_lost=ti.ndarray(ti.f64, (count, frames)),
-        wake_far_error=ti.ndarray(ti.f64, (count, frames)),
-    )
-
-
-def trim(frames: dict[str, np.ndarray], case: Case) -> dict[str, np.ndarray]:
-    """One case's share of the padded frames of a batch, its wake as contiguous ragged arrays."""
-    panels = {name: frames[name][:, : case.uvlm.panels] for name in ("panel_circulation", "pressure_jump")}
-    kept = {name: values for name, values in frames.items() if name != "wake_far_error" or case.uvlm.far_error}
-    return kept | panels | wake.in_order(frames)
-
-
-def work(case: Case, step: int) -> float:
-    """Cost of a step, in pair interactions (about a nanosecond): the wake grows until it is full."""
-    panels, vortices = case.uvlm.panels, min(step + 1, wake.ring_size(case))
-    return (vortices + panels) ** 2 + panels**3 / 10.0
-
-
-def vortices(case: Case) -> int:
-    """Wake vortices of all frames together."""
-    return int(np.minimum(np.arange(1, case.steps + 2, case.output.every), wake.ring_size(case)).sum())
-
-
-def frame_bytes(case: Case) -> float:
-    """Size of a frame's fields."""
-    return 16.0 * wake.ring_size(case) + 8.0 * case.uvlm.panels
+def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
+    """The lattices and wakes of a batch, at rest."""
+    groups = {"flow": lattice.allocate(cases, sections), "wake": wake.allocate(cases)}
+    # What a step of long wakes is worth doing on all threads.
+    long_wakes = LongWakes(cases, groups["wake"], groups["flow"], body.failed, threads)
+    types = {"flow": lattice.Lattice, "wake": wake.Wake}
+    used = uses(cases)
+    return Flow(groups, types, prepare, settle, record, record_step, used, long_wakes, long_wakes.first)
 
 
 @ti.func
@@ -241,18 +183,27 @@ def settle(batch: View, b, n, rule, used: View):
     circulate(batch.body, batch.flow, batch.wake, b, rule, used)
 
 
+BOUND, CROSSED, LOST, FAR = range(4)
+"""The series, as the model declares them."""
+
+
+@ti.func
+def record_step(batch: View, b, row):
+    batch.film.series[b, row, BOUND] = batch.flow.scalar[b, TOTAL]
+    batch.film.series[b, row, CROSSED] = ti.cast(batch.wake.ring[b, CROSSINGS], ti.f64)
+    batch.film.series[b, row, LOST] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
+    batch.film.series[b, row, FAR] = batch.wake.tally[b, FAR_ERROR]
+
+
 @ti.func
 def record(batch: View, b, frame):
-    batch.film.circulation[b, frame] = batch.flow.scalar[b, TOTAL]
     for i in range(batch.flow.size[b, PANELS]):
         batch.film.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
         batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.pressure[b, i], ti.f32)
     batch.film.wake_count[b, frame] = batch.wake.ring[b, COUNT]
-    batch.film.wake_crossings[b, frame] = batch.wake.ring[b, CROSSINGS]
-    batch.film.wake_far_error[b, frame] = batch.wake.tally[b, FAR_ERROR]
-    batch.film.wake_lost[b, frame] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
     for m in range(batch.wake.ring[b, COUNT]):
         place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, KEEP]
+        batch.film.wake_y[b, frame, m] = ti.cast(batch.wake.vortex[b, Y, place], ti.f32)
+        batch.film.wake_z[b, frame, m] = ti.cast(batch.wake.vortex[b, Z, place], ti.f32)
+        batch.film.wake_circulation[b, frame, m] = ti.cast(batch.wake.vortex[b, CIRCULATION, place], ti.f32)
         batch.film.wake_birth[b, frame, m] = batch.wake.birth[b, place]
-        for axis in range(3):
-            batch.film.wake[b, frame, axis, m] = ti.cast(batch.wake.vortex[b, axis, place], ti.f32)

@@ -9,15 +9,14 @@ Reade & Jankauski (2020), Eqs 17-27, with the corrections that the equations bel
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from ..case.case import Case
-from ..kernels import linear
-from ..kernels.arrays import array, octet_array
-from ..kernels.runtime import Floats1, Floats2, Ints1, Octet, Octets3, Singles3, View, ti
-from ..march.state import (
+from ...case.case import Case
+from ...kernels import linear
+from ...kernels.arrays import array, octet_array
+from ...kernels.runtime import Floats1, Floats2, Ints1, Octet, Octets3, View, ti
+from ...march.state import (
     ACCEL,
     AMPLITUDE,
     AXIAL,
@@ -30,17 +29,18 @@ from ..march.state import (
     pivot_heave,
     pivot_velocity,
 )
-from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
-from ..structure.beam import Modes
-from ..structure.chordwise import Profile
-from ..vortex.sum import TINY
+from ...motion.sampling import PITCH_ACCEL, PITCH_RATE
+from ...structure.beam import Modes
+from ...structure.chordwise import Profile
+from ...vortex.sum import TINY
+from ..interface import Flow
 
 POSITION, AREA, R_Z, E_Y, W_RATE, NORMAL_TRACTION, SLOPE, ACCELERATION, PRESSURE, SHEAR = range(10)
 """Rows of the elements: distance behind the pivot and area (none where a batch pads); rigid part of u_z and elastic
 part of u_y; expected elastic part of u_z, with it the force per area along -e_z and its derivative by u_z; the
 acceleration along e_z (Eq. 7) without the modal part; and the force per area along e_z and e_y."""
 
-Flow = ti.types.argpack(
+Blades = ti.types.argpack(
     elements=Ints1,
     truncated=Ints1,
     half_density=Floats1,
@@ -53,13 +53,9 @@ Flow = ti.types.argpack(
     shape=Octets3,  # (case, mode, eight elements): mode shapes at the midpoints
 )
 
-Film = ti.types.argpack(pressure_jump=Singles3, shear=Singles3)
 
-GROUPS = {"flow": Flow, "film": Film}
-
-
-def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]:
-    """Arrays of the elements of a batch."""
+def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
+    """The elements of a batch, at rest."""
     count = len(cases)
     most = 8 * linear.octets(max(case.dbet.elements for case in cases))
     element = np.zeros((count, 10, most))
@@ -72,7 +68,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]
         shape[b, : section.count, :n] = section.shape(y)
     density = np.array([case.fluid.density for case in cases])
     chord = np.array([case.wing.chord if case.dbet.added_mass else 0.0 for case in cases])
-    flow = Flow(
+    blades = Blades(
         elements=array([case.dbet.elements for case in cases]),
         truncated=array([case.dbet.speed == "truncated" for case in cases]),
         half_density=array(0.5 * density),
@@ -84,23 +80,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> dict[str, Any]
         element=octet_array(element),
         shape=octet_array(shape),
     )
-    return {"flow": flow}
-
-
-def film(cases: Sequence[Case], frames: int) -> Any:
-    """Room for `frames` frames of the fields along the chord."""
-    shape = (len(cases), frames, max(case.dbet.elements for case in cases))
-    return Film(**{name: ti.ndarray(ti.f32, shape) for name in Film.members})
-
-
-def trim(frames: dict[str, np.ndarray], case: Case) -> dict[str, np.ndarray]:
-    """One case's share of the padded frames of a batch."""
-    return frames | {name: frames[name][:, : case.dbet.elements] for name in Film.members}
-
-
-def nodes(case: Case) -> np.ndarray:
-    """Positions of the ends of the elements along the chord, from the pivot, m."""
-    return case.wing.chord * np.arange(case.dbet.elements + 1) / case.dbet.elements - case.wing.pivot * case.wing.chord
+    return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record)
 
 
 def middles(case: Case) -> np.ndarray:
@@ -113,21 +93,6 @@ def areas(case: Case) -> np.ndarray:
     """Areas of the elements, m^2."""
     count = case.dbet.elements
     return case.wing.chord * Profile.of(case.wing.span).means(np.arange(count + 1) / count) / count
-
-
-def work(case: Case, step: int) -> float:
-    """Cost of a step, in pair interactions (about a nanosecond): the same at every step."""
-    return 50.0 * case.dbet.elements
-
-
-def vortices(case: Case) -> int:
-    """Wake vortices of all frames together: none."""
-    return 0
-
-
-def frame_bytes(case: Case) -> float:
-    """Size of a frame's fields."""
-    return 8.0 * case.dbet.elements
 
 
 @ti.func

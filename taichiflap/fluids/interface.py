@@ -1,0 +1,196 @@
+"""What a fluid model is: the arrays that it stores, what can be asked of it, and what the march runs.
+
+Everything outside `taichiflap.fluids` works with these three alone:
+
+- `Output`: one array that a model stores. The march makes room for it, the file lays it out, readers find it.
+- `Model`: the model without a state. It answers what depends on the model: its outputs, its cost, its words.
+- `Flow`: a batch of cases in motion: arrays, and functions of Taichi that the march fuses into one kernel.
+"""
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..case.case import Case
+from ..results.variables import VARIABLES, WAKE_VARIABLES, Variable
+from ..structure.beam import Modes
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Output:
+    """One array that a model stores.
+
+    Without an axis of its own it is a series, a number at every step; with one it is a field, stored in the frames
+    that `output.every` asks for. In a kernel a field is `batch.film.NAME`, with a slash as an underscore, and the
+    series are the columns of `batch.film.series`, in the order in which the model declares them.
+
+    Attributes:
+        name: in the file and of the result. That of a ragged output is `GROUP/NAME`; `batch.film.GROUP_count` counts
+            the entries of each frame, which all outputs of a group share.
+        over: the axes besides time: `node`, `panel`, or others that the model's `axes` gives; of a ragged output the
+            one along which its frames differ in length.
+        units, long_name, symbol, comment: what the file says of it, see `taichiflap.results.variables`.
+        dtype: `f8`, `f4` or `i4` of a field; series are `f8`.
+        ragged: whether frames differ in length.
+    """
+
+    name: str
+    over: tuple[str, ...]
+    units: str
+    long_name: str
+    symbol: str = ""
+    comment: str = ""
+    dtype: str = "f8"
+    ragged: bool = False
+
+    @property
+    def field(self) -> bool:
+        """Whether it is stored in frames instead of at every step."""
+        return bool(self.over)
+
+    @property
+    def member(self) -> str:
+        """Its name in a kernel."""
+        return self.name.replace("/", "_")
+
+    @property
+    def group(self) -> str:
+        """The group of a ragged output, else nothing."""
+        return self.name.partition("/")[0] if self.ragged else ""
+
+    @property
+    def variable(self) -> Variable:
+        """What a file says of it."""
+        over = self.over if self.ragged else ("time", *self.over)
+        words = self.units, self.long_name, self.symbol, self.comment
+        return Variable(over, *words, self.dtype, self.field and not self.ragged)
+
+
+def standard(*names: str) -> tuple[Output, ...]:
+    """Outputs that several models have, by their names in `taichiflap.results.variables`."""
+    known = VARIABLES | {f"wake/{name}": one for name, one in WAKE_VARIABLES.items()}
+    return tuple(
+        Output(
+            name, tuple(axis for axis in one.dimensions if axis != "time"), one.units, one.long_name, one.symbol,
+            one.comment, one.dtype, ragged="/" in name,
+        )
+        for name, one in ((name, known[name]) for name in names)
+    )  # fmt: skip
+
+
+WAKE = standard("wake/y", "wake/z", "wake/circulation", "wake/birth")
+"""The vortices of a free wake, oldest first."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis of a model's own: where its entries stand, and what that means."""
+
+    values: ArrayLike
+    units: str
+    long_name: str
+    symbol: str = ""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """A batch of cases in motion. The march fuses the functions into one kernel that takes many steps.
+
+    The functions are `ti.func`s of a module, so that equal batches share a kernel. `batch` has the groups by name,
+    besides `body` (`taichiflap.march.state`) and `film`, the rows of the outputs.
+
+    Attributes:
+        groups: the groups of arrays, each an argpack with a leading case axis. They are the state of the flow.
+        types: their argpack types, by the same names.
+        prepare: `prepare(batch, b, n, rule)` fills `body.load` and `body.response`, which come zeroed, for step `n`.
+        settle: `settle(batch, b, n, rule)`, with the acceleration known, advances the state and sets `body.force`.
+        record: `record(batch, b, frame)` writes the fields: `batch.film.NAME[b, frame, ...]`.
+        record_step: `record_step(batch, b, row)` writes the series: `batch.film.series[b, row, k]`; None without any.
+        uses: what some case of the batch needs, the last argument of `prepare` and `settle` if it is not None, so
+            that by `ti.static` the kernel holds nothing else.
+        before_step: called with each step from `first` on before the march takes it, to do on all threads what one
+            case's thread would be long at.
+        first: see `before_step`.
+    """
+
+    groups: Mapping[str, Any]
+    types: Mapping[str, Any]
+    prepare: Any
+    settle: Any
+    record: Any
+    record_step: Any = None
+    uses: Hashable = None
+    before_step: Callable[[int], None] | None = None
+    first: int = 0
+
+    @property
+    def kernel_key(self) -> Hashable:
+        """What decides which kernel marches the batch."""
+        functions = self.prepare, self.settle, self.record, self.record_step
+        return tuple(self.types.items()), functions, self.uses
+
+
+class Model:
+    """A fluid model, without a state: derive from it, and override what differs.
+
+    Attributes:
+        name: in headings and files.
+        outputs: the arrays that it stores; every model has `pressure_jump`.
+    """
+
+    name: ClassVar[str]
+    outputs: ClassVar[tuple[Output, ...]] = standard("pressure_jump")
+
+    def nodes(self, case: Case) -> Array:
+        """Positions of the nodes along the chord, from the pivot, m: the ends of its panels or elements."""
+        raise NotImplementedError
+
+    def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
+        """A batch at rest.
+
+        Args:
+            sections: the modes of each case's wing.
+            body: the wings, see `taichiflap.march.state`.
+            threads: how many threads may work at once; all of them if None.
+        """
+        raise NotImplementedError
+
+    def work(self, case: Case, step: int) -> float:
+        """Rough cost of a step, in pair interactions (about a nanosecond)."""
+        raise NotImplementedError
+
+    def axes(self, case: Case) -> Mapping[str, Axis]:
+        """The axes of its outputs that are neither `node` nor `panel`."""
+        return {}
+
+    def stored(self, case: Case) -> tuple[Output, ...]:
+        """The outputs that a case stores."""
+        return self.outputs
+
+    def entries(self, case: Case, step: Any) -> Any:
+        """How many entries a ragged output has at a step at most, or at each of an array of steps."""
+        return 0
+
+    def sizes(self, case: Case) -> dict[str, int]:
+        """Length of every axis of its outputs; of a ragged one the most that a frame can have."""
+        nodes = len(self.nodes(case))
+        own = {name: np.size(axis.values) for name, axis in self.axes(case).items()}
+        ragged = {one.over[0]: int(self.entries(case, case.steps)) for one in self.outputs if one.ragged}
+        return {"node": nodes, "panel": nodes - 1, "component": 2} | own | ragged
+
+    def totals(self, case: Case) -> dict[str, int]:
+        """Room along every ragged axis for all frames of a case."""
+        axes = {one.over[0] for one in self.outputs if one.ragged}
+        steps = case.step_of(np.arange(case.frames())) if axes else 0
+        return {axis: int(np.sum(self.entries(case, steps), dtype=np.int64)) for axis in axes}
+
+    def frame_bytes(self, case: Case) -> float:
+        """Size of a frame of its fields."""
+        lengths = self.sizes(case)
+        shapes = [(one.dtype, [lengths[axis] for axis in one.over]) for one in self.outputs if one.field]
+        return float(sum(np.dtype(kind).itemsize * np.prod(shape, dtype=float) for kind, shape in shapes))
