@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from . import disk
 from .errors import UserError
 from .results.reader import Result
 
@@ -46,7 +47,7 @@ def standing_in(path: Path) -> Iterator[Path]:
     draft = path.with_name(f".{path.name}.{os.getpid()}.part{path.suffix}")
     try:
         yield draft
-        os.replace(draft, path)
+        disk.replace(draft, path)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or str(error).splitlines()[0]}") from None
     finally:

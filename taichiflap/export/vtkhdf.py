@@ -9,6 +9,7 @@ Each frame is one piece: the wake as vertices, then the wing as one line a panel
 - Cell data: `pressure_jump` (Pa) of the panels, zero on the wake; `wing`, 1 on the panels and 0 on the wake.
 """
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from .. import files
 from ..drawing import scene
+from ..results import hdf
 from ..results.reader import Result
 
 VERSION = (2, 2)
@@ -34,15 +36,22 @@ def write_vtkhdf(result: Result, path: Path) -> None:
     Raises:
         OutputError: when the file cannot be written.
     """
-    with files.standing_in(path) as draft, h5py.File(draft, "w") as file:
+    with (
+        files.standing_in(path) as draft,
+        contextlib.closing(hdf.Guarded(draft)) as guard,
+        h5py.File(guard, "w") as file,
+    ):
         root = file.create_group("VTKHDF")
         root.attrs["Version"] = VERSION
         root.attrs.create("Type", np.bytes_(b"PolyData"))
         for first in range(0, result.frames, BLOCK):
+            guard.check()
             pieces = [_piece(result, index) for index in range(first, min(first + BLOCK, result.frames))]
             for name in pieces[0]:
                 _extend(root, name, np.concatenate([piece[name] for piece in pieces]))
         _describe_steps(root, result)
+        file.close()
+        guard.check()
 
 
 def _piece(result: Result, index: int) -> dict[str, NDArray[Any]]:

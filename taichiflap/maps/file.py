@@ -1,11 +1,13 @@
 """The map file: what came of every case of a design, in HDF5 that xarray and netCDF4 open as they are.
 
-Numbers are flushed before the status that vouches for them, and both after every batch: a crash at any moment costs no
-more than the batch that was running.
+While it is filled it is kept in memory and written anew after every batch, under another name first: a crash or a full
+disk at any moment costs no more than the batch that was running. A map that is large for that is filled in place, the
+numbers before the status that vouches for them.
 """
 
 import contextlib
 import os
+import shutil
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,7 +17,9 @@ from typing import Any
 import h5py
 import numpy as np
 
+from .. import disk
 from ..case.case import Case, CaseError
+from ..disk import Busy, Lock
 from ..errors import UserError, extra
 from ..notation import printable
 from ..results import hdf, integrity
@@ -34,6 +38,12 @@ ATTRIBUTES = (
 """What a map says about itself."""
 
 
+MOST_IMAGE = 2**26
+"""Bytes of a map that is written anew as a whole."""
+SPARE = 2**22
+"""Bytes of the disk that are left alone when a map is filled in place, besides what is to be written."""
+
+
 class MapError(UserError):
     """A map file that cannot be read or written: one sentence with the path and the cause."""
 
@@ -50,8 +60,9 @@ class Map:
         version: of the taichiflap that began it.
     """
 
-    def __init__(self, file: Any, path: Path | None) -> None:
-        self.file, self.path = file, path
+    def __init__(self, file: Any, path: Path | None, lock: Lock | None = None) -> None:
+        self.file, self.path, self._lock = file, path, lock
+        self._guard: hdf.Guarded | None = None
         try:
             self.case = layout.read_case(file, str(path))
         except CaseError as error:
@@ -69,8 +80,12 @@ class Map:
         self.close()
 
     def close(self) -> None:
-        """Close the file; a map in memory is lost."""
+        """Close the file; what is not saved is lost, as a map in memory is."""
         self.file.close()
+        if self._guard:
+            self._guard.close()
+        if self._lock:
+            self._lock.release()
 
     @property
     def status(self) -> np.ndarray:
@@ -120,6 +135,7 @@ class Map:
         places = np.stack(np.unravel_index(np.asarray(numbers), self.design.shape), axis=1)
         statuses = [FAILED if outcome.reason else COMPLETE for outcome in outcomes]
         try:
+            self._check_room(outcomes)
             for name in self.metrics:
                 values = [outcome.metrics.get(name, np.nan) for outcome in outcomes]
                 layout.scatter(self.file[name], places, values)
@@ -131,9 +147,9 @@ class Map:
                     kept[(*place, slice(len(series)))] = series
             self.file.flush()
             layout.scatter(self.file["status"], places, statuses)
-            self.file.flush()
         except OSError as error:
             raise MapError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        self.save()
 
     def extend(self, axes: Sequence[Axis]) -> range:
         """Add cases to the end of a sample; returns their numbers."""
@@ -149,9 +165,66 @@ class Map:
         return range(first, last)
 
     def finish(self) -> None:
-        """Mark the map as complete."""
+        """Mark the map as complete.
+
+        Raises:
+            MapError: when the disk refuses.
+        """
         hdf.rewrite(self.file, "state", "complete")
-        self.file.flush()
+        self.save()
+
+    def note(self, texts: Mapping[str, str]) -> None:
+        """Keep texts with the map.
+
+        Raises:
+            MapError: when the disk refuses.
+        """
+        hdf.note(self.file, texts)
+        self.save()
+
+    def save(self) -> None:
+        """Put the map as it is on the disk.
+
+        Raises:
+            MapError: when the disk refuses; what it holds already stays.
+        """
+        if self.path is None:
+            return
+        draft = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        try:
+            self.file.flush()
+            if self._guard:
+                self._guard.check()
+                return
+            image = self.file.id.get_file_image()
+            draft.write_bytes(image)
+            disk.replace(draft, self.path)
+        except OSError as error:
+            raise MapError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        finally:
+            with contextlib.suppress(OSError):
+                draft.unlink(missing_ok=True)
+        if len(image) > MOST_IMAGE:
+            self._fill_in_place()
+
+    def _fill_in_place(self) -> None:
+        """Go on in the file itself."""
+        assert self.path is not None
+        self.file.close()
+        try:
+            self._guard = hdf.Guarded(self.path, fresh=False)
+        except OSError as error:
+            raise MapError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        self.file = h5py.File(self._guard, "r+", libver=hdf.VERSION)
+
+    def _check_room(self, outcomes: Sequence[Outcome]) -> None:
+        """Refuse what the disk has no room for before HDF5 has begun with it."""
+        if self._guard is None or self.path is None:
+            return
+        series = sum(values.nbytes for outcome in outcomes for values in outcome.series.values())
+        free = shutil.disk_usage(self.path.parent).free
+        if free < SPARE + series + 8 * len(outcomes) * (len(self.metrics) + hdf.REASON_BYTES):
+            raise MapError(f"{self.path}: cannot be written: the disk has {free / 1e6:.3g} MB free")
 
     def to_xarray(self) -> Any:
         """The map as an `xarray.Dataset` in memory, with named coordinates and units.
@@ -204,16 +277,16 @@ def create(
         layout.lay_out(file, case, design, metrics, series, title or case.title)
         return Map(file, path)
     _check_place(path)
-    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    lock = _lock(path)
     try:
-        file = hdf.create(draft)
+        file = hdf.create(path, driver="core", backing_store=False)
         layout.lay_out(file, case, design, metrics, series, title or case.title)
-        os.replace(draft, path)
-    except OSError as error:
-        raise MapError(f"{path}: cannot be created: {first_line(error)}") from None
-    finally:
-        draft.unlink(missing_ok=True)
-    return Map(file, path)
+        made = Map(file, path, lock)
+        made.save()
+    except BaseException:
+        lock.release()
+        raise
+    return made
 
 
 def open_map(path: str | Path, *, write: bool = False) -> Map:
@@ -224,14 +297,27 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
     """
     path = Path(path)
     refuse_devices(path, MapError)
+    lock = _lock(path) if write and path.is_file() else None
     try:
-        file = h5py.File(path, "r+", libver=hdf.VERSION) if write else h5py.File(path, "r", locking=False)
+        opened = _opened(path, lock)
+        if lock and path.stat().st_size > MOST_IMAGE:
+            opened._fill_in_place()
+    except BaseException:
+        if lock:
+            lock.release()
+        raise
+    return opened
+
+
+def _opened(path: Path, lock: Lock | None) -> Map:
+    """An open map; in memory, if it is locked."""
+    try:
+        writing = {"mode": "r+", "libver": hdf.VERSION, "driver": "core", "backing_store": False}
+        file = h5py.File(path, **(writing if lock else {"mode": "r", "locking": False}))
     except FileNotFoundError:
         raise MapError(f"{path}: no such file") from None
     except IsADirectoryError:
         raise MapError(f"{path}: is a directory") from None
-    except BlockingIOError:
-        raise MapError(f"{path}: another study is writing it") from None
     except OSError as error:
         raise MapError(f"{path}: not a readable map: {first_line(error)}") from None
     try:
@@ -241,14 +327,13 @@ def open_map(path: str | Path, *, write: bool = False) -> Map:
         if version > layout.FORMAT:
             raise MapError(f"{path}: written by a newer taichiflap (format {version}, this one reads {layout.FORMAT})")
         layout.check(file)
-        opened = Map(file, path)
+        return Map(file, path, lock)
     except MapError:
         file.close()
         raise
     except DAMAGE as error:
         file.close()
         raise MapError(f"{path}: damaged: {error}") from None
-    return opened
 
 
 def is_map(path: Path) -> bool:
@@ -262,15 +347,17 @@ def is_map(path: Path) -> bool:
 
 
 def _check_place(path: Path) -> None:
-    """Refuse a folder, and a map that another study is writing: what is to be replaced need not be a map."""
+    """Refuse what cannot be a file; what is to be replaced need not be a map."""
     if path.is_dir():
         raise MapError(f"{path}: is a directory; name a file, for example {path / 'map.h5'}")
     if not path.parent.is_dir():
         raise MapError(f"{path}: cannot be created: {path.parent} is not a folder")
+
+
+def _lock(path: Path) -> Lock:
     try:
-        with contextlib.suppress(FileNotFoundError), h5py.File(path, "r+"):
-            pass
-    except BlockingIOError:
-        raise MapError(f"{path}: another study is writing it") from None
-    except OSError:
-        return
+        return Lock(path)
+    except Busy as error:
+        raise MapError(f"{path}: another study is writing it ({error})") from None
+    except OSError as error:
+        raise MapError(f"{path}: cannot be written: {first_line(error)}") from None

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .. import disk
 from .._version import __version__
 from ..case.case import Case
 
@@ -45,7 +46,7 @@ def save(path: Path, case: Case, checkpoint: Checkpoint) -> None:
                 file, of=_origin(case), next_step=checkpoint.next_step, solve_time=checkpoint.solve_time,
                 **{f"state.{name}": values for name, values in checkpoint.state.items()},  # type: ignore[arg-type]
             )  # fmt: skip
-        os.replace(draft, place)
+        disk.replace(draft, place)
     finally:
         draft.unlink(missing_ok=True)
 

@@ -7,9 +7,10 @@ from typing import Any
 
 import h5py
 
+from .. import disk
 from .._version import __version__
 from ..case.case import Case
-from . import integrity
+from . import hdf, integrity
 from .integrity import DamageError
 from .reader import Result, ResultError, first_line, open_result, part
 
@@ -45,33 +46,34 @@ def check(path: Path, overwrite: bool) -> None:
         raise ResultError(f"{path}: cannot be created: {first_line(error)}") from None
 
 
-def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> Any:
-    """The file that an interrupted run has left, to go on with; None to begin anew.
+def lock(path: Path) -> disk.Lock:
+    """The right to write a result and what an interrupted run has left of it.
 
-    While it is open, HDF5's lock keeps every other run away.
+    Raises:
+        ResultError: when another run has it, or there can be no file.
     """
-    if not part(path).exists():
-        return None
     try:
-        file = h5py.File(part(path), "r+")
-    except BlockingIOError:
-        raise ResultError(f"{path}: another run is writing it") from None
+        return disk.Lock(path)
+    except disk.Busy as error:
+        raise ResultError(f"{path}: another run is writing it ({error})") from None
     except OSError as error:
-        if overwrite:
-            return None
-        raise ResultError(f"{part(path)}: is in the way: {first_line(error)}; --overwrite replaces it") from None
+        raise ResultError(f"{path}: cannot be created: {first_line(error)}") from None
+
+
+def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> hdf.Guarded | None:
+    """The file that an interrupted run has left, to go on with; None to begin anew."""
+    if overwrite or not part(path).exists():
+        return None
+    if not resume:
+        left = "an interrupted run has left its frames; --resume goes on with them, --overwrite begins anew"
+        raise ResultError(f"{path}: {left}")
     try:
-        if overwrite:
-            return None
-        if not resume:
-            left = "an interrupted run has left its frames; --resume goes on with them, --overwrite begins anew"
-            raise ResultError(f"{path}: {left}")
-        _check_same(file, part(path), case)
-        kept, file = file, None
-        return kept
-    finally:
-        if file is not None:
-            file.close()
+        with h5py.File(part(path), "r", locking=False) as file:
+            _check_same(file, part(path), case)
+        open_result(part(path)).close()
+        return hdf.Guarded(part(path), fresh=False)
+    except OSError as error:
+        raise ResultError(f"{part(path)}: is in the way: {first_line(error)}; --overwrite replaces it") from None
 
 
 def _check_same(file: Any, path: Path, case: Case) -> None:
@@ -93,11 +95,13 @@ def _difference(name: str, theirs: str, ours: str) -> str:
 
 
 def move(source: Path, target: Path, overwrite: bool) -> None:
-    """Rename a file; only if told so, in the place of another.
+    """Rename a file, synced; only if told so, in the place of another.
 
     Raises:
         FileExistsError: when the target exists and is not to be replaced.
+        OSError: when the system refuses.
     """
+    disk.sync(source)
     if overwrite:
         os.replace(source, target)
         return

@@ -17,6 +17,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from .. import disk
 from ..case.case import Case
 from ..structure.beam import Modes
 from . import checkpoint, hdf, layout, ownership
@@ -65,9 +66,18 @@ class Writer:
         self._raw: Any = None
         self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
         self._draft: Path | None = None
+        self._lock: disk.Lock | None = None
+        self._guard: hdf.Guarded | None = None
         if path is not None:
             ownership.check(path, overwrite)
-            self._file = ownership.reopen(path, case, overwrite, resume)
+            self._lock = ownership.lock(path)
+            try:
+                self._guard = ownership.reopen(path, case, overwrite, resume)
+                if self._guard is not None:
+                    self._file = h5py.File(self._guard, "r+", libver=hdf.VERSION)
+            except BaseException:
+                self.abandon()
+                raise
 
     def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
         """Give everything its place; a file that is resumed has it already.
@@ -91,6 +101,8 @@ class Writer:
             self._file = self._create()
             Layout(self._file, self.case, self._warnings, nodes, section, sample, contents)
             self._file.flush()
+            if self._guard:
+                self._guard.check()
             self._publish()
             self._find_places()
         except ResultError:
@@ -194,20 +206,28 @@ class Writer:
             if self.path is None:
                 return Result(self._file)
             self._file.close()
+            if self._guard:
+                self._guard.check()
+                self._guard.close()
             self._raw.close()
             ownership.move(part(self.path), self.path, self._overwrite)
             checkpoint.discard(self.path)
         except OSError as error:
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
+        self._release()
         return open_result(self.path)
 
     def abandon(self) -> None:
         """Close the file where it stands, under its `.part` name if it has one."""
+        if self._guard is not None:
+            # What HDF5 may still have in mind stays there: what was complete is on the disk.
+            self._guard.stop()
         with contextlib.suppress(OSError, RuntimeError):
-            for one in (self._file, self._raw):
+            for one in (self._file, self._guard, self._raw):
                 if one is not None:
                     one.close()
         self._discard_draft()
+        self._release()
 
     def _check_room(self, size: int) -> None:
         """Refuse what does not fit before HDF5 has begun it: HDF5 does not survive a file that it cannot close."""
@@ -223,7 +243,8 @@ class Writer:
 
     def _create(self) -> Any:
         if self._draft is not None:
-            return hdf.create(self._draft)
+            self._guard = hdf.Guarded(self._draft)
+            return hdf.create(self._guard)
         self._raw = io.BytesIO()
         return hdf.create(self._raw)
 
@@ -250,7 +271,12 @@ class Writer:
 
     def _discard_draft(self) -> None:
         if self._draft is not None:
-            self._draft.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):
+                self._draft.unlink(missing_ok=True)
+
+    def _release(self) -> None:
+        if self._lock is not None:
+            self._lock.release()
 
 
 def _size(number: float) -> str:

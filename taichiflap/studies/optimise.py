@@ -11,7 +11,6 @@ from ..case.case import Case
 from ..maps.design import Axis, Design, DesignError, Spread, Value
 from ..metrics.names import QUANTITIES
 from ..notation import fraction, short
-from ..results import hdf
 from ..run.warnings import too_bent
 from .expression import Expression, read_constraint, read_expression
 from .ledger import Ledger
@@ -146,7 +145,7 @@ def optimise(
     first = {key: spread.at(unit[:1, k])[0] for k, (key, spread) in enumerate(spreads.items())}
     path = None if output is None else Path(output)
     with Ledger(case, first, path, cluster=cluster, threads=threads, overwrite=overwrite) as ledger:
-        hdf.note(ledger.sheet.file, {"objective": aim.text, "conditions": "; ".join(subject_to)})
+        ledger.sheet.note({"objective": aim.text, "conditions": "; ".join(subject_to)})
         search = _Search(ledger, spreads, aim, -1.0 if maximise else 1.0)
         search.conditions = conditions
         generation = 1  # the first fills the cube, and is not told
