@@ -24,7 +24,7 @@ CAMERA = {
 @contextlib.contextmanager
 def browsers(viewer: Viewer, count: int) -> Iterator[None]:
     """So many browsers, in a process of their own; inside, each has its session."""
-    with subprocess.Popen([sys.executable, "-m", __spec__.name, str(viewer.port), str(count)]) as process:
+    with subprocess.Popen([sys.executable, "-m", __spec__.name, viewer.address, str(count)]) as process:
         while len(viewer.sessions) < count:
             time.sleep(0.05)
         yield
@@ -33,12 +33,14 @@ def browsers(viewer: Viewer, count: int) -> Iterator[None]:
         time.sleep(0.05)
 
 
-def browse(port: int, count: int) -> None:
+def browse(address: str, count: int) -> None:
     """Connect so many browsers, until the server ends."""
     protocol: Any = f"viser-v{viser.__version__}"
 
     def read() -> None:
-        with connect(f"ws://127.0.0.1:{port}", subprotocols=[protocol], max_size=None, compression=None) as opened:
+        with connect(
+            address.replace("http", "ws", 1), subprotocols=[protocol], max_size=None, compression=None
+        ) as opened:
             opened.send(msgspec.msgpack.encode(CAMERA))
             for _ in opened:
                 pass
@@ -48,4 +50,4 @@ def browse(port: int, count: int) -> None:
 
 
 if __name__ == "__main__":
-    browse(*map(int, sys.argv[1:]))
+    browse(sys.argv[1], int(sys.argv[2]))

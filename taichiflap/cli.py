@@ -112,11 +112,14 @@ def view(
     trust: Annotated[
         bool, typer.Option("--trust", help="run cases of a map whose solver is a module of your own: it is code")
     ] = False,
+    token: Annotated[
+        bool, typer.Option("--token/--no-token", help="have the address hold a secret, without which nobody comes in")
+    ] = True,
 ) -> None:
     """Show a result or a map in the browser, even while it is being computed."""
     from taichiflap_viewer import view as show
 
-    show(files, host=host, port=port, browser=browser, trust=trust)
+    show(files, host=host, port=port, browser=browser, token=token, trust=trust)
 
 
 @app.command()

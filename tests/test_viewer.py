@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from urllib.parse import urlsplit
 
 import h5py
 import msgspec
@@ -24,7 +25,9 @@ from taichiflap_viewer.session import opening
 from websockets.sync.client import connect
 
 import taichiflap
-from taichiflap import fluids, open_result
+from taichiflap import open_result
+from taichiflap.case.case import parse_case
+from taichiflap.fluids.uvlm.stations import stations
 from taichiflap.results.reader import ResultError, part
 from taichiflap.results.writer import Writer
 from taichiflap.run import blocks
@@ -173,6 +176,42 @@ def test_the_flow_is_the_solvers_and_its_vorticity_holds_the_circulation(run):
     )
 
 
+@pytest.mark.parametrize("spacing", ["cosine", "uniform"])
+def test_bound_vortices_stand_where_the_lattice_has_them(spacing):
+    settings = ("time.periods=1", "time.steps_per_period=40", "wing.modes=0", "wing.pivot=0.2", "uvlm.panels=12")
+    result = taichiflap.simulate(hawkmoth(*settings, f"uvlm.spacing={spacing}"))
+    run = Run(result, spacing)
+    at = stations(run.case)
+    for index in (7, 31):
+        pitch, plunge = result.pitch[index], result.plunge[index]
+        y, z, circulation = field.vortices(run.frame(index), run.chord)[:, : run.case.uvlm.panels]
+        np.testing.assert_allclose(y, at.vortex * np.cos(pitch), atol=1e-8)
+        np.testing.assert_allclose(z, plunge + at.vortex * np.sin(pitch), atol=1e-8)
+        np.testing.assert_array_equal(circulation, result.panel_circulation[index])
+    run.close()
+
+
+def test_a_table_that_starts_up_is_not_drawn_beyond_its_end(tmp_path):
+    """Past its last point a spline goes anywhere: what is drawn comes from the file."""
+    table = {"kind": "table", "points": [[0.0, 0.0], [0.01, 0.002], [0.02, 0.015], [0.03, 0.02], [0.04, 0.03]]}
+    motion = {"plunge": table, "pitch": {"kind": "ramp", "start": 0.0, "ramp": 0.02, "amplitude_deg": 30.0,
+              "smoothing": 500.0}, "start_up": 0.03}  # fmt: skip
+    surge = {"kind": "table", "points": [[0.0, 0.0], [0.01, 0.01], [0.02, 0.005], [0.03, 0.0], [0.04, -0.01]]}
+    document = hawkmoth("wing.modes=0", "solver=dbet").to_dict()
+    document |= {"motion": motion | {"surge": surge}, "time": {"duration": 0.04, "step": 0.0004}}
+    result = taichiflap.simulate(parse_case(document))
+    run = Run(result, "table")
+    assert run.path == pytest.approx((result.plunge.min() / run.chord, result.plunge.max() / run.chord))
+    for index in (0, 40, run.frames - 1):
+        frame = run.frame(index)
+        np.testing.assert_allclose(frame.chord, frame.nodes[[0, -1]], atol=1e-6)
+    before, now, after = (run.frame(index) for index in (49, 50, 51))
+    measured = (after.nodes - before.nodes) * run.chord / (2.0 * run.case.step)
+    assert np.abs(now.velocity - measured).max() < 0.01 * np.abs(measured).max()
+    assert run.half_stroke(run.frames - 1) == run.half_stroke(run.frames - 2)
+    run.close()
+
+
 def test_differences_are_those_of_the_summaries(folder, run):
     other = Run(open_result(folder / "dbet.h5"), "dbet")
     found = {one.name: one for one in compare.differences(run, other)}
@@ -248,7 +287,7 @@ def test_a_taken_port_gives_way_and_only_this_machine_is_served(folder):
         viewer = Viewer([folder / "uvlm.h5"], port=port)
         try:
             assert viewer.port > port
-            assert viewer.address == f"http://127.0.0.1:{viewer.port}"
+            assert viewer.address == f"http://127.0.0.1:{viewer.port}{viewer.door.path}"
             with socket.create_server(("127.0.0.2", viewer.port)):
                 pass  # every address would include this one
         finally:
@@ -340,7 +379,7 @@ def test_a_page_gets_its_controls_before_it_has_told_its_name(folder, monkeypatc
     viewer = Viewer([folder / "dbet.h5"])
     try:
         protocol = f"viser-v{viser.__version__}"
-        with connect(f"ws://127.0.0.1:{viewer.port}", subprotocols=[protocol], max_size=None) as page:
+        with connect(f"ws://127.0.0.1:{viewer.port}{viewer.door.path}", subprotocols=[protocol], max_size=None) as page:
             page.send(msgspec.msgpack.encode(CAMERA))
             received = b""
             while b"Reset view" not in received:
@@ -463,8 +502,8 @@ def test_a_run_that_fails_keeps_its_viewer(command):
         assert line, process.stderr.read()
     while "ran away" not in process.stderr.readline():
         assert process.poll() is None
-    host, port = line.split()[0].removeprefix("http://").split(":")
-    with socket.create_connection((host, int(port)), timeout=30.0):
+    place = urlsplit(line.split()[0])
+    with socket.create_connection((place.hostname, place.port), timeout=30.0):
         assert process.poll() is None
     os.killpg(process.pid, signal.SIGINT)
     assert process.wait(30.0) == 1

@@ -19,7 +19,7 @@ import pytest
 from conftest import CASES, hawkmoth
 from matplotlib.image import imread
 from taichiflap_viewer import Viewer
-from taichiflap_viewer.colours import DARK, LIGHT, METRIC, linear, rgb
+from taichiflap_viewer.colours import DARK, LIGHT, METRIC, RUNS, linear, rgb
 from taichiflap_viewer.maps.scene import HEIGHT, WIDTH
 from taichiflap_viewer.maps.viewer import MapViewer
 from test_cli import frames_in
@@ -40,6 +40,7 @@ pytestmark = [
 ]
 
 NODE = "window.__viserSceneTree && window.__viserSceneTree.getState()['{}']"
+STORE = "window.__viserSceneTree.getState()"
 PROPS = f"({NODE}).message.props"
 CHARTS = "Object.values(window.__viserTestpoints.uplots).map(one => one.chart)"
 
@@ -88,7 +89,8 @@ def look(browser):
         page = context.new_page()
         page.set_default_timeout(1e3 * SECONDS)
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(f"{address}/?fixedDpr=1")
+        page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+        page.goto(f"{address}?fixedDpr=1")
         page.wait_for_function(f"() => {NODE.format(node)}")
         page.get_by_text(text, exact=True).wait_for()
         return page
@@ -211,16 +213,17 @@ def test_layers_background_and_theme_act(serve, look):
     viewer = serve("uvlm")
     page = look(viewer.address)
     stop(page)
+    go_to(page, viewer, 400)
     wake = f"() => {NODE.format('/wake')}.effectiveVisibility"
     page.get_by_label("Wake", exact=True).click()
     page.wait_for_function(f"() => !({wake})()")
     page.get_by_label("Wake", exact=True).click()
     page.wait_for_function(wake)
     choose(page, "Background", "vorticity")
-    page.wait_for_function(f"() => {NODE.format('/field/picture')}")
+    page.wait_for_function(f"() => {NODE.format('/field/400/picture')}")
     page.get_by_text("Flow: vorticity, 1/s").wait_for()
     choose(page, "Background", "none")
-    page.wait_for_function(f"() => !({NODE.format('/field/picture')})")
+    page.wait_for_function(f"() => !({NODE.format('/field/400/picture')})")
     assert page.locator(".tabler-icon-share").count() == 0
     inks = "ink => { let seen = false; window.__viserMutable.scene.traverse(node => { if (node.material && " + (
         "node.material.fragmentShader && node.material.fragmentShader.includes(`vec4(${ink}, a)`)) seen = true; });"
@@ -233,6 +236,53 @@ def test_layers_background_and_theme_act(serve, look):
         str(int(value)) for value in light))  # fmt: skip
     # Guards the private way in which labels get the theme's colour.
     page.wait_for_function(inks, arg=", ".join(f"{part / 255.0:.3f}" for part in DARK.ink))
+
+
+WITH_ITS_FRAME = """async count => {
+    const seen = [];
+    while (seen.filter(one => one[1]).length < count) {
+        await new Promise(requestAnimationFrame);
+        const nodes = window.__viserSceneTree.getState();
+        const shown = Object.keys(nodes).filter(
+            name => name.endsWith('/picture') && nodes[name].effectiveVisibility);
+        seen.push([nodes['/time'].message.props.text, shown.join()]);
+    }
+    return seen;
+}"""
+"""In the page: at each of its frames, the time that the scene tells, and which pictures of the flow are visible, until
+some frames have had one."""
+
+
+def test_a_picture_of_the_flow_is_shown_with_its_own_frame_or_not_at_all(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    choose(page, "Background", "vorticity")
+    page.wait_for_function(f"() => Object.keys({STORE}).filter(name => name.endsWith('/picture')).length > 12")
+    for speed in ("1/4 beat a second", "1 beat a second"):
+        choose(page, "Speed", speed)
+        seen = page.evaluate(WITH_ITS_FRAME, 12)
+        frames = {}
+        for text, shown in seen:
+            if shown:
+                index = int(shown.split("/")[2])
+                number, part = viewer.runs[0].beat_of(index)
+                assert text.startswith(f"beat {number}   t/T = {part:.3f}")
+                frames[index] = True
+        assert len(frames) > 2
+    stop(page)
+    for index in (203, 317):
+        go_to(page, viewer, index)
+        page.wait_for_function(f"() => ({NODE.format(f'/field/{index}/picture')} || {{}}).effectiveVisibility")
+
+
+def test_a_theme_is_changed_while_playing_without_a_word_in_the_console(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    choose(page, "Background", "speed")
+    for scheme in ("dark", "light"):
+        page.get_by_label("Dark", exact=True).click()
+        page.wait_for_function(f"() => document.documentElement.dataset.mantineColorScheme === '{scheme}'")
+    stop(page)
 
 
 def test_a_narrow_window_has_its_controls_below_the_scene(serve, look):
@@ -342,7 +392,7 @@ def test_two_results_lie_over_each_other(serve, look):
     page = look(viewer.address)
     stop(page)
     go_to(page, viewer, 250)
-    for name, run, colour in zip(("/wing", "/second/wing"), viewer.runs, LIGHT.runs, strict=True):
+    for name, run, colour in zip(("/wing", "/second/wing"), viewer.runs, RUNS, strict=True):
         wing = floats(page, name).reshape(-1, 2, 3)
         np.testing.assert_allclose(wing[:, 0, 0], run.result.frame("node_position", 250)[:-1, 1] / run.chord, atol=1e-6)
         np.testing.assert_array_equal(floats(page, name, "colors")[:3], linear(np.array(rgb(colour), dtype=np.uint8)))
@@ -367,7 +417,7 @@ def test_two_browsers_play_on_their_own(serve, look):
 def test_a_dropped_connection_comes_back_to_its_frame(serve, look):
     viewer = serve("uvlm")
     with Wire(viewer.port) as wire:
-        page = look(f"http://127.0.0.1:{wire.port}")
+        page = look(viewer.address.replace(str(viewer.port), str(wire.port)))
         stop(page)
         go_to(page, viewer, 222)
         page.get_by_label("Force", exact=True).click()

@@ -1,5 +1,6 @@
 """The viewer of results: opens the files, and gives every browser a session."""
 
+import sys
 import threading
 import time
 import uuid
@@ -38,27 +39,28 @@ class Viewer(Server):
         paths: result files, complete or still being written.
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
+        token: whether the address holds a token, without which nobody comes in.
 
     Raises:
         ViewError: when there is no such port or address, or too many files.
         ResultError: when a file cannot be read.
     """
 
-    def __init__(self, paths: Sequence[str | Path], host: str = "127.0.0.1", port: int = 8080) -> None:
+    def __init__(
+        self, paths: Sequence[str | Path], host: str = "127.0.0.1", port: int = 8080, token: bool = True
+    ) -> None:
         if not 1 <= len(paths) <= 2:
             raise ViewError(f"view shows one result, or two compared, not {len(paths)}")
         files = [Path(path) for path in paths]
         self.runs = [Run(_open(path), label) for path, label in zip(files, _labels(files), strict=True)]
-        super().__init__(host, port)
+        super().__init__(host, port, token)
         self._fields = Fields(self.runs[0])
         self._dropped: dict[str, list[tuple[float, Playback]]] = {}
         self._browsers: dict[int, str] = {}
         camera.start(self.server, self.runs[0].box)
         # A page shows this from the start, until its own session takes over.
         self._set_backdrop()
-        self.server.on_client_connect(self._connect)
-        self.server.on_client_disconnect(self._disconnect)
-        self.serve(self._follow)
+        self.serve(self._connect, self._disconnect, self._follow)
 
     def stop(self) -> None:
         """Stop serving and close the files."""
@@ -108,9 +110,9 @@ class Viewer(Server):
                 self._dropped.setdefault(browser, []).append((time.monotonic(), session.playback))
 
     def _follow(self) -> None:
-        while any(run.live for run in self.runs) and not self._stop.wait(LOOK_SECONDS):
+        while not self._stop.wait(LOOK_SECONDS):
             surveys = [run.surveys for run in self.runs]
-            grown = [run.refresh() for run in self.runs if run.live]
+            grown = [run.refresh() for run in self.runs]
             if surveys != [run.surveys for run in self.runs]:
                 self._guard(self._set_backdrop)
             if any(grown):
@@ -127,7 +129,7 @@ def _browser(client: Any) -> str:
             client.local_storage.set_item(BROWSER, known)
     except (RuntimeError, TimeoutError):
         return uuid.uuid4().hex
-    return str(known)
+    return str(known)[:32]
 
 
 def _open(path: Path) -> Result:
@@ -161,6 +163,7 @@ def view(
     host: str = "127.0.0.1",
     port: int = 8080,
     browser: bool = True,
+    token: bool = True,
     trust: bool = False,
 ) -> None:  # pragma: no cover
     """Show one result, or two compared, or a map, until interrupted.
@@ -169,23 +172,29 @@ def view(
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
         browser: open the system's browser, where there is one.
+        token: whether the address holds a token, without which nobody comes in.
         trust: run cases of a map whose fluid model is a module from elsewhere.
     """
     viewer: Server
     if len(paths) == 1 and is_map(Path(paths[0])):
         from .maps.viewer import MapViewer  # noqa: PLC0415 - a result does without
 
-        viewer = MapViewer(paths[0], host, port, trust=trust)
+        viewer = MapViewer(paths[0], host, port, token=token, trust=trust)
     else:
-        viewer = Viewer(paths, host, port)
+        viewer = Viewer(paths, host, port, token)
     try:
         if isinstance(viewer, Viewer) and len(viewer.runs) == 2:
             print("\n".join(compare.text(*viewer.runs)))
         if viewer.port != port:
             print(f"port {port} is taken")
+        for address in viewer.far_addresses:
+            print(address)
+        if viewer.far_addresses:
+            whoever = "whoever has its address" if token else "anybody"
+            print(f"warning: other machines reach this viewer: {whoever} sees what it shows", file=sys.stderr)
         print(f"{viewer.address}  (Ctrl-C stops)", flush=True)
         if browser:
-            webbrowser.open(viewer.address)
+            webbrowser.open(viewer.invitation)
         threading.Event().wait()
     except KeyboardInterrupt:
         print()

@@ -12,8 +12,9 @@ from taichiflap.notation import prefixed
 from taichiflap.results.variables import VARIABLES
 
 from . import wire
-from .colours import Theme, css
-from .frames import Array, Run
+from .colours import RUNS
+from .frame import Array
+from .frames import Run
 from .scene import common_ranges
 from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback
 
@@ -75,8 +76,7 @@ class Charts:
         runs: one result, or two to compare; the first sets the times.
     """
 
-    def __init__(self, gui: Any, tab: Any, runs: list[Run], theme: Theme, playback: Playback) -> None:
-        self._gui, self._tab = gui, tab
+    def __init__(self, gui: Any, tab: Any, runs: list[Run], playback: Playback) -> None:
         self.runs = runs
         self.quantities = quantities(runs)
         self._window: tuple[int, int] | None = None
@@ -84,14 +84,11 @@ class Charts:
         self._times: Array = np.zeros(0)
         self._nudge = 0.0
         self._load(playback)
-        self.handles = self._add(theme, playback)
-
-    def _add(self, theme: Theme, playback: Playback) -> dict[str, Any]:
-        with self._tab:
-            return {
-                quantity.name: self._gui.add_uplot(
+        with tab:
+            self.handles = {
+                quantity.name: gui.add_uplot(
                     self._data(quantity, playback.frame),
-                    self._series(quantity, theme),
+                    self._series(quantity),
                     title=f"{quantity.title}, {quantity.unit}",
                     scales={"x": {"time": False}},
                     axes=({"size": 26, "space": 40}, {"size": 46, "space": 17}),
@@ -108,16 +105,6 @@ class Charts:
         self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
             wire.send(self.handles[quantity.name], data=self._data(quantity, playback.frame))
-
-    def colour(self, theme: Theme, playback: Playback) -> None:
-        """Draw in the colours of another theme, in new charts.
-
-        A page makes a chart anew for a theme, and again for other lines. If it does both at once, it takes the time
-        axis of a chart that it never drew for one that somebody has moved, and keeps it: from 0 to 1, with no curve.
-        """
-        for handle in self.handles.values():
-            handle.remove()
-        self.handles = self._add(theme, playback)
 
     def _load(self, playback: Playback, again: bool = False) -> None:
         """Read the curves if they are others than before."""
@@ -160,21 +147,20 @@ class Charts:
         times[-1:] += self._nudge * (times[-1:] - times[:1])
         return (times, *curves, *dots)
 
-    def _series(self, quantity: Quantity, theme: Theme) -> tuple[Any, ...]:
+    def _series(self, quantity: Quantity) -> tuple[Any, ...]:
         colours: list[str] = []
         for number, run in enumerate(self.runs):
             if quantity is MODES:
                 colours += [MODE_COLOURS[k % len(MODE_COLOURS)] for k in range(len(run.shape))]
             else:
-                colours.append(theme.runs[number])
+                colours.append(RUNS[number])
         lines = [{"stroke": colour, "width": 1.8, "points": {"show": False}} for colour in colours]
         if quantity is MODES and len(self.runs) > 1:
             for line in lines[len(self.runs[0].shape) :]:
                 line["dash"] = [5, 4]
-        ink = css(theme.ink)
         # uPlot takes the range of what begins with not-a-number for none at all.
         dots = [
-            {"stroke": ink, "points": {"show": True, "size": 8, "fill": colour}, "auto": False} for colour in colours
+            {"stroke": colour, "points": {"show": True, "size": 9, "fill": colour}, "auto": False} for colour in colours
         ]
         return ({"label": "t/T"}, *lines, *dots)
 
@@ -188,12 +174,12 @@ def _series(run: Run, name: str, first: int, last: int) -> tuple[Array, Array]:
     return times, lift if name == "lift" else thrust
 
 
-def caption(runs: list[Run], theme: Theme) -> str:
+def caption(runs: list[Run]) -> str:
     """What the lines of the charts are, as HTML."""
     text = "Across: time in beats. The dot is the frame shown."
     if len(runs) > 1:
         names = " ".join(
-            f'<b style="color:{colour}">{escape(run.label)}</b>' for run, colour in zip(runs, theme.runs, strict=True)
+            f'<b style="color:{colour}">{escape(run.label)}</b>' for run, colour in zip(runs, RUNS, strict=False)
         )
         text = f"{names}. {text}"
     modes = max(len(run.shape) for run in runs)

@@ -44,7 +44,6 @@ class Theme:
         force: the force vector.
         load: the force along the chord.
         velocity: velocity arrows.
-        runs: the colours of two compared results.
     """
 
     background: Rgb
@@ -53,12 +52,15 @@ class Theme:
     force: Rgb
     load: Rgb
     velocity: Rgb
-    runs: tuple[str, str]
     circulation: Map
     pressure: Map
     vorticity: Map
     speed: Map
 
+
+RUNS = "#1f7bd0", "#cc5f10"
+"""Of the curves of one result, and of two compared: clear of both backgrounds, so that no chart is made anew for
+another. A page that is sent new data for a chart, and in the same breath that it is gone, complains."""
 
 METRIC = Map("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
 """Of a metric over a map: viridis, as in print."""
@@ -88,7 +90,6 @@ LIGHT = Theme(
     force=(200, 30, 45),
     load=(14, 128, 112),
     velocity=(95, 103, 117),
-    runs=("#0b62a8", "#c4520c"),
     circulation=Map(*palette.LIGHT.anchors),
     pressure=Map("#c2148a", "#2a2a2e", "#2c9a1f"),
     vorticity=Map("#5b9bd3", "#b9d5ec", "#ffffff", "#f3cfb0", "#e39a5f"),
@@ -102,7 +103,6 @@ DARK = Theme(
     force=(255, 92, 105),
     load=(70, 205, 185),
     velocity=(168, 176, 190),
-    runs=("#56b4ff", "#ff9a4d"),
     circulation=Map(*palette.DARK.anchors),
     pressure=Map("#ff6fd0", "#f4f4f6", "#7fe05a"),
     vorticity=Map("#2f78b3", "#1e4260", "#141414", "#593a20", "#ab6327"),

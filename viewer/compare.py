@@ -7,7 +7,7 @@ from html import escape
 from taichiflap.metrics.summary import Summary
 from taichiflap.notation import prefixed
 
-from .colours import Theme
+from .colours import RUNS
 from .frames import Run
 
 
@@ -74,7 +74,7 @@ def text(first: Run, second: Run) -> Iterator[str]:
         yield f"{one.name + ', ' + one.unit:<28}{one.first:>10.4g}{one.second:>10.4g}  {one.change}"
 
 
-def table(first: Run, second: Run, theme: Theme) -> str:
+def table(first: Run, second: Run) -> str:
     """The differences as an HTML table."""
     rows = "".join(
         f"<tr><td>{one.name.capitalize()}, {one.unit}</td>"
@@ -83,7 +83,7 @@ def table(first: Run, second: Run, theme: Theme) -> str:
     )
     heads = "".join(
         f'<th style="color:{colour};text-align:left">{escape(run.label)}</th>'
-        for run, colour in zip((first, second), theme.runs, strict=True)
+        for run, colour in zip((first, second), RUNS, strict=True)
     )
     return (
         f'<div data-differences style="font-size:11px;padding:0 4px 6px"><table style="width:100%">'

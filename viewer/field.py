@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .colours import Theme
-from .frames import Array, Frame, Run
+from .frame import Array, Frame
+from .frames import Run
 from .legend import Bar
 from .scene import ARROWS, arrows
 
@@ -111,7 +112,7 @@ class Fields:
         core = max(CORE, run.case.uvlm.core) * run.chord
         found = _velocity(np.stack((-up, right)) * run.chord, vortices(frame, run.chord), core)
         stream_y, stream_z = run.case.fluid.velocity
-        velocity = np.stack((found[1] + stream_z, -(found[0] + stream_y)))
+        velocity = np.stack((found[1] + stream_z, -(found[0] + stream_y))).astype(np.float32)
         step = finest * run.chord
         # (right, up) is (Y, Z) turned by a quarter, so the curl keeps its sign.
         vorticity = np.gradient(velocity[1], step, axis=1) - np.gradient(velocity[0], step, axis=0)
@@ -126,8 +127,7 @@ def _velocity(places: Array, sources: Array, core: float) -> Array:
 
 def vortices(frame: Frame, chord: float) -> Array:
     """Y, Z (m) and circulation (m2/s) of a frame's bound and wake vortices, shape (3, vortex)."""
-    bound = frame.nodes[:-1] + 0.25 * np.diff(frame.nodes, axis=0)
-    places = np.concatenate((bound, frame.wake)) * chord
+    places = np.concatenate((frame.bound_at, frame.wake)) * chord
     return np.stack((-places[:, 1], places[:, 0], np.concatenate((frame.bound, frame.circulation))))
 
 

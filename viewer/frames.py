@@ -3,71 +3,29 @@
 Nothing else of the viewer touches the file. Frames are kept in a small cache that all browsers share.
 """
 
+import contextlib
 import threading
 from collections import OrderedDict
-from collections.abc import Hashable
-from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taichiflap import Result
 from taichiflap.drawing.scene import when
+from taichiflap.errors import UserError
 from taichiflap.metrics.summary import Summary, reversals, summarise
 from taichiflap.motion import sampling
 from taichiflap.results.reader import ResultError
 
+from .frame import Array, Frame
 from .survey import Ranges, survey
-
-Array = NDArray[np.floating]
+from .watch import Watch
 
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
 """What HDF5 says of a file that changes under its reader, or that is closed until the next look."""
 
 CACHE_BYTES = 2**25
-PATH_SAMPLES = 401
 SURVEYED = 12
 """Frames looked at to choose the ranges of colours and the first view."""
-
-
-@dataclass(frozen=True)
-class Frame:
-    """One frame. Positions in chords on the screen: (right, up) = (Z, -Y) / chord.
-
-    Attributes:
-        index: number of the frame.
-        text: its time in words.
-        nodes: the deformed wing, leading to trailing edge, shape (node, 2).
-        chord: both ends of the undeformed chord, shape (2, 2).
-        axes: unit vectors of the wing frame: chordwise and normal, shape (2, 2).
-        pressure, shear: force of the fluid per area along e_z and along e_y, Pa, shape (panel,).
-        force: force of the fluid on the wing, N, shape (2,).
-        velocity: velocity of the nodes relative to the free stream, m/s, shape (node, 2).
-        wake: positions of the wake vortices, oldest first, shape (vortex, 2).
-        circulation: of the wake vortices, m2/s.
-        bound: circulation of the bound vortices, m2/s; empty without a vortex model.
-        drawn: what has been drawn of the frame, by style and layer, for all browsers of that style.
-    """
-
-    index: int
-    text: str
-    nodes: Array
-    chord: Array
-    axes: Array
-    pressure: Array
-    shear: Array
-    force: Array
-    velocity: Array
-    wake: Array
-    circulation: Array
-    bound: Array
-    drawn: dict[Hashable, dict[str, Any]] = field(default_factory=dict, compare=False, repr=False)
-
-    @property
-    def size(self) -> int:
-        """Bytes held, about: what will be drawn of the frame takes as much again."""
-        return 2 * sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
 
 
 class Run:
@@ -78,7 +36,8 @@ class Run:
         label: what to call it beside another.
 
     Attributes:
-        path: how far the pivot goes to either side, chords.
+        path: how far the pivot goes to either side in the last beat, chords.
+        trouble: what has become of the file since, in a sentence; nothing as long as it is the one that was opened.
         ranges, box: what colours and arrows are scaled by, and the box (left, bottom, right, top; chords) of the
             first view. A growing run looks at itself again each time that it has doubled, and when it is complete.
         surveys: how often it has done so.
@@ -91,29 +50,34 @@ class Run:
         self.chord = self.case.wing.chord
         self.title = self.case.title or label
         self.frames_per_beat = self.case.steps_per_beat / self.case.output.every
-        self.steps_per_beat = self.case.steps_per_beat
-        moments = self.case.motion.growth + self.case.beat * np.linspace(0.0, 1.0, PATH_SAMPLES)
-        plunge = sampling.sample(self.case.motion, moments)[:, sampling.PLUNGE] / self.chord
-        self.path = float(plunge.min()), float(plunge.max())
-        self._turns = len(reversals(self.case, 0.0, 1.0 + self.case.motion.growth / self.case.beat)) > 0
+        self.trouble = ""
+        self._document = result.attributes["case"]
+        self._begin_to_watch()
+        # Of a motion that does not repeat, nothing is known beyond its end.
+        beats = 1.0 + self.case.motion.growth / self.case.beat if self.case.periodic else 1.0
+        self._turns = len(reversals(self.case, 0.0, beats)) > 0
         self._lock = threading.RLock()
         self._cache: OrderedDict[int, Frame] = OrderedDict()
         self._held = 0
         self.surveys = self._surveyed = 0
         if not result.frames:
             raise ResultError(f"{result.path}: holds no frame yet")
+        self._vortex_share = self._vortices()
         self._load()
 
     def _load(self) -> None:
         self.frames = self.result.frames
         self.steps = self.result.steps
         self.status = self.result.status
+        # What went wrong; where exactly, and what is likely to help, `info` tells.
+        self.reason = str(self.result.attributes.get("reason", "")).partition(". Likely")[0].partition(";")[0]
         self.has_wake = self.result.has_wake
         self.variables = self.result.variables
         self.station = self.result.stations
         self.shape = self.result.modes.get("shape", np.zeros((0, len(self.station))))
         if not self.surveys or self.frames >= 2 * self._surveyed or not self.live:
             self.ranges, self.box = self._survey()
+            self.path = self._reach()
             self.surveys, self._surveyed = self.surveys + 1, self.frames
 
     @property
@@ -127,20 +91,36 @@ class Run:
         return max(1, int(round((self.steps - 1) / self.steps_per_beat, 9)))
 
     def refresh(self) -> bool:
-        """Look for new frames; whether there is any news. A file in the middle of a write is left for later."""
+        """Look for new frames, and whether the file is still the one that was opened; whether there is any news."""
         with self._lock:
-            before = self.steps, self.status
-            try:
-                self.result.refresh()
-                # What was read from the file's end while it was being written is not to be trusted.
-                self._cache.clear()
-                self._held = 0
-                if (self.result.steps, self.result.status) == before:
-                    return False
-                self._load()
-            except (ResultError, *UNREADABLE):
+            before = self.trouble
+            grown = self.live and not before and self._grow()
+            self.trouble = self.trouble or self._watch.look()
+            return grown or self.trouble != before
+
+    def _grow(self) -> bool:
+        """Look for new frames; whether there are any. A file in the middle of a write is left for later."""
+        before = self.frames, self.status
+        try:
+            self.result.refresh()
+            # What was read from the file's end while it was being written is not to be trusted.
+            self._cache.clear()
+            self._held = 0
+            if self.result.attributes["case"] != self._document:
+                self.trouble = f"{self.label} is another result now: start the viewer again to see it."
                 return False
-            return True
+            if self.result.path != self._path or self.result.status != self.status:
+                self._begin_to_watch()
+            if (self.result.frames, self.result.status) == before:
+                return False
+            self._load()
+        except (ResultError, *UNREADABLE):
+            return False
+        return True
+
+    def _begin_to_watch(self) -> None:
+        self._path = self.result.path
+        self._watch = Watch(self._path, fixed=self.result.status != "running")
 
     def close(self) -> None:
         """Close the file."""
@@ -180,8 +160,7 @@ class Run:
         if not self._turns:
             return ""
         # A reversal belongs to the half-stroke that it begins.
-        moment = (self.turns(index) + 1e-6) * self.case.beat
-        rate = sampling.sample(self.case.motion, np.array([moment]))[0, sampling.PLUNGE_RATE]
+        rate = self._moving(self._time(index) + 1e-6 * self.case.beat)[sampling.PLUNGE_RATE]
         return "half-stroke to the right" if rate > 0.0 else "half-stroke to the left"
 
     def when(self, index: int) -> str:
@@ -199,6 +178,8 @@ class Run:
         """
         with self._lock:
             index = min(max(index, 0), self.frames - 1)
+            if self.live and self.trouble:
+                raise OSError(self.trouble)
             if index in self._cache:
                 self._cache.move_to_end(index)
                 return self._cache[index]
@@ -229,33 +210,36 @@ class Run:
         return picked / self.steps_per_beat, values
 
     def summary(self) -> Summary | None:
-        """Means, peaks and phases over the settled beats; None while there is no whole beat."""
-        with self._lock:
+        """Means, peaks and phases over the settled beats; None while there is no whole beat, or no reading it."""
+        with self._lock, contextlib.suppress(UserError, *UNREADABLE):
             return summarise(self.result)
+        return None
 
     def _read(self, index: int) -> Frame:
         result, scale = self.result, 1.0 / self.chord
-        now = sampling.sample(self.case.motion, np.array([self.case.step * float(self.case.step_of(index))]))[0]
-        plunge, plunge_rate, pitch, pitch_rate = now[
-            [sampling.PLUNGE, sampling.PLUNGE_RATE, sampling.PITCH, sampling.PITCH_RATE]
-        ]
+        plunge, pitch = float(result.frame("plunge", index)), float(result.frame("pitch", index))
+        surge = float(result.frame("surge", index)) if "surge" in self.variables else 0.0
+        moving = self._moving(self._time(index))
+        plunge_rate, pitch_rate, surge_rate = moving[[sampling.PLUNGE_RATE, sampling.PITCH_RATE, sampling.SURGE_RATE]]
         along = np.array([np.sin(pitch), -np.cos(pitch)])
         across = np.array([np.cos(pitch), np.sin(pitch)])
-        pivot = np.array([plunge * scale, 0.0])
+        pivot = np.array([plunge * scale, -surge * scale])
         deflection = result.frame("q", index) @ self.shape if len(self.shape) else np.zeros(len(self.station))
         rate = result.frame("q_rate", index) @ self.shape if len(self.shape) else np.zeros(len(self.station))
         stream_y, stream_z = self.case.fluid.velocity
         velocity = (
-            np.array([plunge_rate - stream_z, stream_y])
+            np.array([plunge_rate - stream_z, stream_y - surge_rate])
             - np.outer(deflection * pitch_rate, along)
             + np.outer(self.station * pitch_rate + rate, across)
         )
-        nodes = result.frame("node_position", index)
+        places = result.frame("node_position", index)
+        nodes = _on_screen(places[:, 0], places[:, 1], scale)
         wake = result.wake(index)
+        bound = self._field("panel_circulation", index)
         return Frame(
             index=index,
             text="   ".join(filter(None, (self.when(index), self.half_stroke(index)))),
-            nodes=_on_screen(nodes[:, 0], nodes[:, 1], scale),
+            nodes=nodes,
             chord=pivot + np.outer((-self.case.wing.pivot, 1.0 - self.case.wing.pivot), along),
             axes=np.stack((along, across)),
             pressure=result.frame("pressure_jump", index),
@@ -264,8 +248,31 @@ class Run:
             velocity=velocity,
             wake=_on_screen(wake["y"], wake["z"], scale),
             circulation=wake["circulation"],
-            bound=self._field("panel_circulation", index),
+            bound=bound,
+            bound_at=nodes[:-1] + self._vortex_share * np.diff(nodes, axis=0) if len(bound) else np.zeros((0, 2)),
         )
+
+    def _time(self, index: int) -> float:
+        return float(index / self.frames_per_beat * self.case.beat)
+
+    def _moving(self, moment: float) -> Array:
+        """The prescribed motion at a time (s) of the run."""
+        return sampling.sample(self.case.motion, np.array([min(moment, self.case.duration)]))[0]
+
+    def _reach(self) -> tuple[float, float]:
+        """How far the pivot goes to either side in the last beat, chords."""
+        first = max(0, round(self.frames - 1 - self.frames_per_beat))
+        plunge = self.result.between("plunge", first, self.frames - 1) / self.chord
+        return float(plunge.min()), float(plunge.max())
+
+    def _vortices(self) -> Array:
+        """Where on its panel each bound vortex stands, as shares of it, shape (panel, 1); none without a lattice."""
+        if "panel_circulation" not in self.result.variables:
+            return np.zeros((0, 1))
+        from taichiflap.fluids.uvlm.stations import stations  # noqa: PLC0415 - of that model alone
+
+        at = stations(self.case)
+        return ((at.vortex - at.node[:-1]) / np.diff(at.node))[:, None]
 
     def _field(self, name: str, index: int) -> Array:
         return self.result.frame(name, index) if name in self.variables else np.zeros(0, dtype=np.float32)

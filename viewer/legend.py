@@ -5,7 +5,7 @@ from html import escape
 
 from taichiflap.notation import prefixed
 
-from .colours import Map, Theme, css
+from .colours import RUNS, Map, Theme, css
 from .frames import Run
 from .scene import common_ranges
 
@@ -31,7 +31,7 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
     """The legend of a scene as HTML."""
     ranges = common_ranges(runs)
     several = len(runs) > 1
-    parts = [_named(runs, theme)] if several else []
+    parts = [_named(runs)] if several else []
     if not several:
         parts.append(bar_html(Bar("Wing: pressure jump", theme.pressure, -ranges.pressure, ranges.pressure, "Pa")))
     if any(run.has_wake for run in runs):
@@ -55,9 +55,9 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
     return f'<div data-legend style="padding:0 4px 8px;line-height:1.45">{lines}</div>'
 
 
-def _named(runs: list[Run], theme: Theme) -> str:
+def _named(runs: list[Run]) -> str:
     lines = []
-    for run, colour, mark in zip(runs, theme.runs, ("●", "◆"), strict=True):
+    for run, colour, mark in zip(runs, RUNS, ("●", "◆"), strict=True):
         wake = f"vortices {mark}" if run.has_wake else "DBET, no wake"
         lines.append(f"{_swatch(colour)}<b>{escape(run.label)}</b>, {wake}")
     return "<br>".join(lines)

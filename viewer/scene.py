@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from taichiflap.notation import prefixed
 
 from . import wire
-from .colours import Rgb, Theme, linear, rgb
-from .frames import Array, Frame, Run
+from .colours import RUNS, Rgb, Theme, linear, rgb
+from .frame import Array, Frame
+from .frames import Run
 from .survey import Ranges
 
 FIELD, ARROWS, PLANE, WAKE, GHOST, LOAD, WING, FORCE = 0.05, 0.045, 0.04, 0.03, -0.01, -0.02, -0.03, -0.04
@@ -96,11 +97,11 @@ class Look:
     lift: float = 0.0
 
 
-def looks(count: int, theme: Theme) -> list[Look]:
+def looks(count: int) -> list[Look]:
     """The looks of one result or of two."""
     if count == 1:
         return [Look("", None, "circle")]
-    first, second = (rgb(colour) for colour in theme.runs)
+    first, second = (rgb(colour) for colour in RUNS)
     # A thin line over a thick one: both can be seen where they agree.
     return [Look("", first, "circle", 10.0), Look("/second", second, "diamond", 4.0, 0.005)]
 
@@ -205,7 +206,7 @@ def common_ranges(runs: list[Run]) -> Ranges:
 def set_up(scene: Any, runs: list[Run], theme: Theme) -> tuple["Stage", list[Actor]]:
     """Build the scene of one result, or of two over each other."""
     ranges = common_ranges(runs)
-    shown = zip(runs, looks(len(runs), theme), strict=True)
+    shown = zip(runs, looks(len(runs)), strict=True)
     return Stage(scene, runs[0], theme), [Actor(scene, run, look, theme, ranges) for run, look in shown]
 
 

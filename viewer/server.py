@@ -1,18 +1,24 @@
 """What every viewer's server does: listens at a free port, keeps time for its browsers, and forgives one that left."""
 
 import contextlib
-import http.client
 import io
 import socket
+import struct
+import sys
 import threading
 import time
 import warnings
 from collections.abc import Callable
+from html import escape
 from typing import Any
 
 import viser
+from viser import _messages
 
 from taichiflap.errors import UserError
+
+from . import messages
+from .door import EVERYWHERE, LOCAL, Door
 
 UPDATES = 30
 """Frames a second that a playing browser gets at most."""
@@ -29,13 +35,15 @@ class Server:
     Args:
         host: the address to listen at.
         port: the port to listen at, or the first free one above it.
+        token: whether the address holds a token, without which nobody comes in.
 
     Raises:
         ViewError: when there is no such port or address.
     """
 
-    def __init__(self, host: str, port: int) -> None:
+    def __init__(self, host: str, port: int, token: bool = True) -> None:
         self.host = host
+        self.door = Door(host, token)
         self._sessions: dict[int, Any] = {}
         self._gone: set[int] = set()
         self._lock = threading.Lock()
@@ -43,26 +51,55 @@ class Server:
         self._threads: list[threading.Thread] = []
         # A browser may leave while its next frame is being drawn.
         warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
-        with contextlib.redirect_stdout(io.StringIO()):
-            self.server = viser.ViserServer(host=host, port=free_port(host, port), label="taichiflap", verbose=False)
+        free = free_port(host, port)
+        with self.door.kept(), contextlib.redirect_stdout(io.StringIO()):
+            self.server = viser.ViserServer(host=host, port=free, label="taichiflap", verbose=False)
+        # The door lets none of these in; nobody would hear them either.
+        for kind in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
+            self.server._websock_server.unregister_handler(kind)
         self.port = self.server.get_port()
         self.server.gui.configure_theme(show_logo=False, show_share_button=False)
 
-    def serve(self, *works: Callable[[], None]) -> None:
-        """Keep time for the browsers, and do this besides, until stopped."""
-        self._threads = [threading.Thread(target=work, daemon=True) for work in (self._play, self._pack_page, *works)]
+    def serve(
+        self, connect: Callable[[Any], None], disconnect: Callable[[Any], None], *works: Callable[[], None]
+    ) -> None:
+        """Let browsers in, keep time for them, and do this besides, until stopped."""
+
+        def enter(client: Any) -> None:
+            messages.guard(client.gui)
+            try:
+                connect(client)
+            except (UserError, OSError) as error:
+                # The file has gone since.
+                with contextlib.suppress(RuntimeError):
+                    client.gui.add_html(notice(str(error)))
+
+        self.server.on_client_connect(enter)
+        self.server.on_client_disconnect(disconnect)
+        self._threads = [threading.Thread(target=work, daemon=True) for work in (self._play, *works)]
         for thread in self._threads:
             thread.start()
 
     @property
     def address(self) -> str:
-        """Where to point a browser."""
-        return f"http://{self._near_host}:{self.port}"
+        """Where to point a browser of this machine."""
+        return f"{self._root('127.0.0.1' if self.host in EVERYWHERE else self.host)}{self.door.path}"
 
     @property
-    def _near_host(self) -> str:
-        """The host as this machine calls it."""
-        return "localhost" if self.host in ("0.0.0.0", "::") else self.host
+    def invitation(self) -> str:
+        """An address that leads there once, soon: others may read what a browser is started with."""
+        return self.address.removesuffix(self.door.path) + self.door.invite()
+
+    @property
+    def far_addresses(self) -> list[str]:
+        """Where to point a browser of another machine; none if only this one can be reached."""
+        if self.host in LOCAL:
+            return []
+        hosts = own_addresses() if self.host in EVERYWHERE else [self.host]
+        return [f"{self._root(host)}{self.door.path}" for host in hosts]
+
+    def _root(self, host: str) -> str:
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
 
     @property
     def sessions(self) -> list[Any]:
@@ -95,13 +132,6 @@ class Server:
         with contextlib.redirect_stdout(io.StringIO()):
             self.server.stop()
 
-    def _pack_page(self) -> None:
-        """Have viser compress its page now: it does that for the first who asks, who then waits."""
-        page = http.client.HTTPConnection(self._near_host, self.port)
-        with contextlib.suppress(OSError, http.client.HTTPException), contextlib.closing(page):
-            page.request("GET", "/", headers={"Accept-Encoding": "gzip"})
-            page.getresponse().read()
-
     def _play(self) -> None:
         before = time.monotonic()
         while not self._stop.wait(max(0.0, before + 1.0 / UPDATES - time.monotonic())):
@@ -117,6 +147,27 @@ class Server:
             call(*arguments)
         except (RuntimeError, OSError):
             return
+
+
+def notice(text: str) -> str:
+    """A sentence that a page should not overlook, as HTML."""
+    style = "margin:4px;padding:6px;border:1px solid #c81e2d;border-radius:4px;font-size:13px;overflow-wrap:anywhere"
+    return f'<div data-notice role="alert" style="{style}">{escape(text)}</div>' if text else ""
+
+
+def own_addresses() -> list[str]:
+    """What other machines may call this one: the addresses of its networks, or else its name."""
+    found = []
+    if sys.platform == "linux":
+        import fcntl  # noqa: PLC0415 - not everywhere
+
+        ask = 0x8915  # SIOCGIFADDR
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+            for _, name in socket.if_nameindex():
+                with contextlib.suppress(OSError):
+                    answer = fcntl.ioctl(any_socket.fileno(), ask, struct.pack("256s", name.encode()[:15]))
+                    found.append(socket.inet_ntoa(answer[20:24]))
+    return [one for one in found if not one.startswith("127.")] or [socket.gethostname()]
 
 
 def free_port(host: str, port: int) -> int:

@@ -7,8 +7,10 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
+from taichiflap.errors import UserError
+
 from . import camera, compare, timeline
-from .background import Background
+from .background import AHEAD, Background
 from .charts import Charts, caption
 from .colours import theme
 from .field import NONE, Fields
@@ -17,6 +19,7 @@ from .legend import legend
 from .paint import paint
 from .panel import BACK, ON, REVERSAL_ON, Panel
 from .scene import default_layers, set_up
+from .server import notice
 from .timeline import Playback
 
 BESIDE_SECONDS = 0.12
@@ -56,7 +59,7 @@ class Session:
         with client.atomic():
             self._set_theme()
             self.panel = Panel(client, self.run, playback, self.act)
-            self.charts = Charts(client.gui, self.panel.chart_tab, self.runs, self.theme, playback)
+            self.charts = Charts(client.gui, self.panel.chart_tab, self.runs, playback)
             self._build()
             self.view = camera.View(client, self.run.box)
         if not camera.lock_rotation(client):
@@ -83,8 +86,9 @@ class Session:
                 self.show()
 
     def grow(self) -> None:
-        """Take notice of new frames."""
+        """Take notice of new frames, or of a file that is gone."""
         with self._lock, self.client.atomic():
+            self._beside = 0.0
             self.panel.grow()
             if self.playback.follow:
                 self.playback.position = float(self.run.frames - 1)
@@ -97,20 +101,29 @@ class Session:
 
     def show(self) -> None:
         """Show the frame where playback is; one that is being written just now is left for later."""
-        with self._lock, self.client.atomic(), contextlib.suppress(OSError):
-            index = self.playback.frame
-            for actor in self.actors:
-                here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
-                actor.show(here, self.playback.layers)
-            text = self.run.frame(index).text
-            self.stage.show(text, self.playback.layers["stroke"])
-            now = time.monotonic()
-            if not self.playback.playing or now - self._beside > BESIDE_SECONDS:
-                self._beside = now
-                self.charts.show(self.playback)
-                self.panel.show(self.playback, self._headline(text))
-            kind = self.playback.background if self.run.has_wake else NONE
-            self.background.show(kind, index, self.theme)
+        with self._lock, self.client.atomic():
+            try:
+                self._show(self.playback.frame)
+            except (OSError, UserError):
+                if any(run.trouble for run in self.runs):
+                    self.panel.time.content = self._headline("")
+
+    def _show(self, index: int) -> None:
+        kind, coming = self.playback.background if self.run.has_wake else NONE, []
+        if self.playback.playing and kind != NONE:
+            step, stride = self.background.step, self.background.stride
+            index, coming = step(index), [step(one) for one in timeline.coming(self.run, self.playback, stride, AHEAD)]
+        for actor in self.actors:
+            here = index if actor.run is self.run else actor.run.index_at(index / self.run.frames_per_beat)
+            actor.show(here, self.playback.layers)
+        self.background.show(kind, index, self.theme, coming)
+        text = self.run.frame(index).text
+        self.stage.show(text, self.playback.layers["stroke"])
+        now = time.monotonic()
+        if not self.playback.playing or now - self._beside > BESIDE_SECONDS:
+            self._beside = now
+            self.charts.show(self.playback)
+            self.panel.show(self.playback, self._headline(text))
 
     def act(self, name: str, value: Any) -> None:
         """Do what a control asks for."""
@@ -163,7 +176,6 @@ class Session:
         self.playback.dark = bool(dark)
         with self.client.atomic():
             self._set_theme()
-            self.charts.colour(self.theme, self.playback)
             self._build()
 
     _deeds: dict[str, Callable[["Session", Any], None]] = {  # noqa: RUF012 - the same for all
@@ -190,9 +202,9 @@ class Session:
         self._surveys = [run.surveys for run in self.runs]
         self.background.forget()
         self.stage, self.actors = set_up(scene, self.runs, self.theme)
-        self.panel.caption.content = caption(self.runs, self.theme)
+        self.panel.caption.content = caption(self.runs)
         if len(self.runs) > 1:
-            self.panel.differences.content = compare.table(self.runs[0], self.runs[1], self.theme)
+            self.panel.differences.content = compare.table(self.runs[0], self.runs[1])
             self.panel.differences.visible = True
         self._tell_legend()
         self.show()
@@ -202,14 +214,14 @@ class Session:
         self.panel.legend.content = legend(self.runs, self.theme, shown)
 
     def _headline(self, text: str) -> str:
-        milliseconds = 1e3 * self.run.case.step * float(self.run.case.step_of(self.playback.frame))
-        # What went wrong; where exactly, and what is likely to help, `info` tells.
-        reason = str(self.run.result.attributes.get("reason", "")).partition(". Likely")[0].partition(";")[0]
-        state = {"running": "being computed", "failed": f"failed: {escape(reason)}"}.get(self.run.status, "")
+        milliseconds = 1e3 * self.playback.frame * self.run.case.step * self.run.case.output.every
+        state = {"running": "being computed", "failed": f"failed: {escape(self.run.reason)}"}.get(self.run.status, "")
+        trouble = "".join(notice(run.trouble) for run in self.runs)
         several = len(self.runs) > 1
         title = " against ".join(escape(run.label if several else run.title) for run in self.runs)
         model = " against ".join(run.case.model for run in self.runs)
         return (
             f'<div data-time style="padding:2px 12px 6px 4px;line-height:1.45"><b>{title}</b><br>'
             f"{model}{', ' + state if state else ''}<br>{text.replace('   ', ', ')}, {milliseconds:.2f} ms</div>"
+            f"{trouble}"
         )

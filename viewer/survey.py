@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .frames import Array, Frame
+from .frame import Array, Frame
 
 ARROW_ROOM = 0.9
 """Free beside and below a wing without a wake, chords: its arrows are what there is to see."""
@@ -27,7 +25,7 @@ class Ranges:
     speed: float
 
 
-def survey(frames: Sequence["Frame"], shed: int) -> tuple[Ranges, "Array"]:
+def survey(frames: Sequence[Frame], shed: int) -> tuple[Ranges, Array]:
     """Ranges, and the box (left, bottom, right, top; chords) of the first view.
 
     The colours of the wake go by the last `shed` vortices, those of a beat: what a full wake has absorbed is many times
@@ -50,7 +48,7 @@ def survey(frames: Sequence["Frame"], shed: int) -> tuple[Ranges, "Array"]:
     return ranges, np.concatenate((low, high + np.array([0.0, HEADROOM])))
 
 
-def _percentile(arrays: "list[Array]", share: float) -> float:
+def _percentile(arrays: list[Array], share: float) -> float:
     values = np.abs(np.concatenate(arrays))
     return float(np.percentile(values, share)) if len(values) else 0.0
 

@@ -59,6 +59,13 @@ def advance(run: Run, playback: Playback, seconds: float) -> None:
     playback.position = first + (position - first) % length
 
 
+def coming(run: Run, playback: Playback, stride: int, count: int) -> list[int]:
+    """The next frames, so far apart, that playing comes to, round the loop."""
+    first, last = span(run, playback)
+    length = max(1, last - first)
+    return [first + (playback.frame - first + stride * number) % length for number in range(1, count + 1)]
+
+
 def step(run: Run, playback: Playback, frames: int) -> None:
     """Stop, some frames on or back."""
     seek(run, playback, playback.frame + frames)

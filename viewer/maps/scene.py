@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colours import METRIC, Rgb, Theme
-from ..frames import Array
+from ..frame import Array
 from ..scene import place, polyline
 from .picture import Picture, Ticks
 

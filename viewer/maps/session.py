@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from taichiflap.maps.file import Map, open_map
+from taichiflap.errors import UserError
+from taichiflap.maps.file import Map, MapError, open_map
 from taichiflap.maps.labels import factor_of, model, named
 from taichiflap.maps.outcome import COMPLETE, FAILED
 from taichiflap.notation import short
@@ -19,10 +20,11 @@ from taichiflap.notation import short
 from .. import camera
 from ..colours import METRIC, theme
 from ..field import Fields
-from ..frames import Run
+from ..frames import UNREADABLE, Run
 from ..legend import Bar, bar_html
 from ..paint import paint
 from ..panel import WIDTH as PANEL_WIDTH
+from ..server import notice
 from ..session import Session
 from ..session import opening as opening_of_a_run
 from . import picture, scene
@@ -50,9 +52,10 @@ class MapSession:
         self._wanted: int | None = None
         self._case: Session | None = None
         with open_map(self.path) as sheet:
+            self._is_of = _identity(sheet)
             self.choice = picture.opening(sheet)
         self._show_map()
-        self.client.scene.on_click()(self._click)
+        self.client.scene.on_click()(lambda event: self._try(self._click, event))
 
     def tick(self, seconds: float) -> None:
         """Let the case play on, if one is shown."""
@@ -68,10 +71,35 @@ class MapSession:
                 self._case.fields.close()
             self._case = self._wanted = None
 
+    def warn(self, trouble: str) -> None:
+        """Say what has become of the file; nothing if all is well again."""
+        with self._lock, contextlib.suppress(RuntimeError):
+            if self._trouble.content != notice(trouble):
+                self._trouble.content = notice(trouble)
+
+    def _try(self, deed: Callable[..., None], *arguments: Any) -> None:
+        """Do what a control asks for; of a map that is gone, or another by now, say so."""
+        try:
+            deed(*arguments)
+        except (UserError, *UNREADABLE) as error:
+            self.warn(str(error) if isinstance(error, UserError) else f"{self.path}: cannot be read any more: {error}")
+
+    def _open(self) -> Map:
+        """The map.
+
+        Raises:
+            MapError: when it is gone, or another than the one that this page was opened with.
+        """
+        sheet = open_map(self.path)
+        if _identity(sheet) != self._is_of:
+            sheet.close()
+            raise MapError(f"{self.path.name} is another map now: reload this page to see it.")
+        return sheet
+
     def _show_map(self) -> None:
         """Build the page of the map."""
         client, gui = self.client, self.client.gui
-        with self._lock, client.atomic(), open_map(self.path) as sheet:
+        with self._lock, client.atomic(), self._open() as sheet:
             self.close()
             client.scene.reset()
             gui.reset()
@@ -79,6 +107,7 @@ class MapSession:
             gui.main_panel.set_width(PANEL_WIDTH)
             gui.add_html(camera.narrow())
             self._headline = gui.add_html(_headline(sheet))
+            self._trouble = gui.add_html("")
             keys = [axis.key for axis in sheet.design.axes]
             for title, of, names in (
                 ("Across", "across", keys + sheet.metrics),
@@ -88,7 +117,7 @@ class MapSession:
                 self._add_dropdown(title, of, {named(name, sheet): name for name in names})
             self._fixed = [self._add_held(axis) for axis in sheet.design.axes]
             self._dark_box = gui.add_checkbox("Dark", self._dark)
-            self._dark_box.on_update(lambda event: self._darken(bool(event.target.value)))
+            self._dark_box.on_update(lambda event: self._try(self._darken, bool(event.target.value)))
             self._legend = gui.add_html("")
             self._message = gui.add_html("")
             self._draw(sheet)
@@ -101,7 +130,7 @@ class MapSession:
 
         @handle.on_update
         def _(event: Any) -> None:
-            self._choose(**{of: names[event.target.value]})
+            self._try(self._choose, {of: names[event.target.value]})
 
     def _add_held(self, axis: Any) -> tuple[str, Any]:
         handle = self.client.gui.add_dropdown(
@@ -110,19 +139,19 @@ class MapSession:
 
         @handle.on_update
         def _(event: Any) -> None:
-            values = list(map(str, axis.values))
-            self._choose(fixed=dict(self.choice.fixed) | {axis.key: values.index(event.target.value)})
+            place = list(map(str, axis.values)).index(event.target.value)
+            self._try(self._choose, {"fixed": dict(self.choice.fixed) | {axis.key: place}})
 
         return axis.key, handle
 
-    def _choose(self, **chosen: Any) -> None:
-        with self._lock, self.client.atomic(), open_map(self.path) as sheet:
+    def _choose(self, chosen: dict[str, Any]) -> None:
+        with self._lock, self.client.atomic(), self._open() as sheet:
             self.choice = replace(self.choice, **chosen)
             self._draw(sheet)
 
     def _darken(self, dark: bool) -> None:
         self._dark = dark
-        self._choose()
+        self._choose({})
 
     def _draw(self, sheet: Map) -> None:
         """Draw the map as chosen."""
@@ -154,9 +183,9 @@ class MapSession:
             number = self.picture.at(*spot)
             if number is None:
                 return
-            self._wanted = number
-            with open_map(self.path) as sheet:
+            with self._open() as sheet:
                 told = _case_lines(sheet, number, self.choice.colour)
+            self._wanted = number
             self._message.content = _lines([*told, "opening"])
 
         def progress(done: int, total: int) -> None:
@@ -187,9 +216,15 @@ class MapSession:
             client.scene.reset()
             self._case = Session(client, [run], playback, Fields(run, self.worker))
             back = client.gui.add_button(BACK, order=-2.0)
+            self._trouble = client.gui.add_html("", order=-1.5)
             client.gui.add_html(_lines(told), order=-1.0)
-            back.on_click(lambda _: self._show_map())
+            back.on_click(lambda _: self._try(self._show_map))
         self._case.start(replace(playback, dark=self._dark))
+
+
+def _identity(sheet: Map) -> tuple[Any, ...]:
+    """What makes a map the one that it is; a study adds outcomes, and may add samples."""
+    return sheet.case, [axis.key for axis in sheet.design.axes], sheet.design.grid, sheet.metrics
 
 
 def _headline(sheet: Map) -> str:

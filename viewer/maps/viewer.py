@@ -12,10 +12,14 @@ from taichiflap.errors import UserError
 from taichiflap.maps.file import open_map
 
 from .. import camera
-from ..frames import Run
+from ..frames import UNREADABLE, Run
 from ..server import Server
+from ..watch import Watch
 from .scene import BOX
 from .session import MapSession
+
+LOOK_SECONDS = 1.0
+"""How often the file is looked at."""
 
 
 class MapViewer(Server):
@@ -25,22 +29,23 @@ class MapViewer(Server):
         path: the map file, complete or still being filled.
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
+        token: whether the address holds a token, without which nobody comes in.
 
     Raises:
         ViewError: when there is no such port or address.
         MapError: when the file cannot be read.
     """
 
-    def __init__(self, path: str | Path, host: str = "127.0.0.1", port: int = 8080, trust: bool = False) -> None:
+    def __init__(
+        self, path: str | Path, host: str = "127.0.0.1", port: int = 8080, token: bool = True, trust: bool = False
+    ) -> None:
         self.path, self.trust = Path(path), trust
         open_map(self.path).close()
-        super().__init__(host, port)
+        super().__init__(host, port, token)
         # Taichi wants one thread of its own for all that it does: the runs, and the flow around them.
         self.worker = ThreadPoolExecutor(1, thread_name_prefix="cases")
         camera.start(self.server, BOX)
-        self.server.on_client_connect(self._connect)
-        self.server.on_client_disconnect(self._disconnect)
-        self.serve()
+        self.serve(self._connect, self._disconnect, self._follow)
 
     def stop(self) -> None:
         """Stop serving, once the case that is running is done."""
@@ -70,6 +75,22 @@ class MapViewer(Server):
             raise UserError(f"{folder}: cannot be created: {error.strerror}") from None
         result = simulate(case, folder / f"{number}-{digest}.h5", progress=progress, resume=True)
         return Run(result, f"case {number}")
+
+    def _follow(self) -> None:
+        """Tell the browsers when the map is gone, or cannot be read, twice running: a study may be writing it."""
+        watch, before = Watch(self.path, fixed=False), ""
+        while not self._stop.wait(LOOK_SECONDS):
+            trouble = watch.look() or self._read_error()
+            for session in self.sessions:
+                self._guard(session.warn, trouble if trouble == before else "")
+            before = trouble
+
+    def _read_error(self) -> str:
+        try:
+            open_map(self.path).close()
+        except (UserError, *UNREADABLE) as error:
+            return str(error)
+        return ""
 
     def _connect(self, client: Any) -> None:
         session = MapSession(client, self.path, self.run, self.worker)

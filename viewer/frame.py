@@ -1,0 +1,51 @@
+"""One instant of a result, as the scene needs it."""
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame. Positions in chords on the screen: (right, up) = (Z, -Y) / chord.
+
+    Attributes:
+        index: number of the frame.
+        text: its time in words.
+        nodes: the deformed wing, leading to trailing edge, shape (node, 2).
+        chord: both ends of the undeformed chord, shape (2, 2).
+        axes: unit vectors of the wing frame: chordwise and normal, shape (2, 2).
+        pressure, shear: force of the fluid per area along e_z and along e_y, Pa, shape (panel,).
+        force: force of the fluid on the wing, N, shape (2,).
+        velocity: velocity of the nodes relative to the free stream, m/s, shape (node, 2).
+        wake: positions of the wake vortices, oldest first, shape (vortex, 2).
+        circulation: of the wake vortices, m2/s.
+        bound: circulation of the bound vortices, m2/s; empty without a vortex lattice.
+        bound_at: their positions, shape (panel, 2).
+        drawn: what has been drawn of the frame, by style and layer, for all browsers of that style.
+    """
+
+    index: int
+    text: str
+    nodes: Array
+    chord: Array
+    axes: Array
+    pressure: Array
+    shear: Array
+    force: Array
+    velocity: Array
+    wake: Array
+    circulation: Array
+    bound: Array
+    bound_at: Array
+    drawn: dict[Hashable, dict[str, Any]] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def size(self) -> int:
+        """Bytes held, about: what will be drawn of the frame takes as much again."""
+        return 2 * sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
