@@ -25,7 +25,7 @@ from taichiflap_viewer.session import opening
 from websockets.sync.client import connect
 
 import taichiflap
-from taichiflap import open_result
+from taichiflap import fluids, open_result
 from taichiflap.case.case import parse_case
 from taichiflap.fluids.uvlm.stations import stations
 from taichiflap.results.reader import ResultError, part

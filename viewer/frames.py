@@ -50,6 +50,7 @@ class Run:
         self.chord = self.case.wing.chord
         self.title = self.case.title or label
         self.frames_per_beat = self.case.steps_per_beat / self.case.output.every
+        self.steps_per_beat = self.case.steps_per_beat
         self.trouble = ""
         self._document = result.attributes["case"]
         self._begin_to_watch()
@@ -100,7 +101,7 @@ class Run:
 
     def _grow(self) -> bool:
         """Look for new frames; whether there are any. A file in the middle of a write is left for later."""
-        before = self.frames, self.status
+        before = self.steps, self.status
         try:
             self.result.refresh()
             # What was read from the file's end while it was being written is not to be trusted.
@@ -111,7 +112,7 @@ class Run:
                 return False
             if self.result.path != self._path or self.result.status != self.status:
                 self._begin_to_watch()
-            if (self.result.frames, self.result.status) == before:
+            if (self.result.steps, self.result.status) == before:
                 return False
             self._load()
         except (ResultError, *UNREADABLE):
@@ -253,7 +254,7 @@ class Run:
         )
 
     def _time(self, index: int) -> float:
-        return float(index / self.frames_per_beat * self.case.beat)
+        return self.turns(index) * self.case.beat
 
     def _moving(self, moment: float) -> Array:
         """The prescribed motion at a time (s) of the run."""
@@ -261,8 +262,8 @@ class Run:
 
     def _reach(self) -> tuple[float, float]:
         """How far the pivot goes to either side in the last beat, chords."""
-        first = max(0, round(self.frames - 1 - self.frames_per_beat))
-        plunge = self.result.between("plunge", first, self.frames - 1) / self.chord
+        first = max(0, round(self.steps - 1 - self.steps_per_beat))
+        plunge = self.result.between("plunge", first, self.steps - 1) / self.chord
         return float(plunge.min()), float(plunge.max())
 
     def _vortices(self) -> Array:

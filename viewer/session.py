@@ -114,7 +114,7 @@ class Session:
             step, stride = self.background.step, self.background.stride
             index, coming = step(index), [step(one) for one in timeline.coming(self.run, self.playback, stride, AHEAD)]
         for actor in self.actors:
-            here = index if actor.run is self.run else actor.run.index_at(index / self.run.frames_per_beat)
+            here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
             actor.show(here, self.playback.layers)
         self.background.show(kind, index, self.theme, coming)
         text = self.run.frame(index).text
@@ -214,7 +214,7 @@ class Session:
         self.panel.legend.content = legend(self.runs, self.theme, shown)
 
     def _headline(self, text: str) -> str:
-        milliseconds = 1e3 * self.playback.frame * self.run.case.step * self.run.case.output.every
+        milliseconds = 1e3 * self.run.case.step * float(self.run.case.step_of(self.playback.frame))
         state = {"running": "being computed", "failed": f"failed: {escape(self.run.reason)}"}.get(self.run.status, "")
         trouble = "".join(notice(run.trouble) for run in self.runs)
         several = len(self.runs) > 1
