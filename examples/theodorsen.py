@@ -17,11 +17,7 @@ import math
 
 import numpy as np
 
-from taichiflap.errors import UserError
-from taichiflap.fluids.interface import Flow, Model
-from taichiflap.kernels.arrays import array, zeros
-from taichiflap.kernels.runtime import Floats2, Floats3, View, ti
-from taichiflap.march.state import (
+from taichiflap.fluids.kit import (
     ACCEL,
     AMPLITUDE,
     AXIAL,
@@ -31,18 +27,24 @@ from taichiflap.march.state import (
     C2,
     MOMENT,
     NORMAL,
+    PITCH_ACCEL,
+    PITCH_RATE,
     RATE,
     UNSTEADY,
+    Model,
+    Profile,
+    Table,
+    View,
+    flow_of,
+    key,
     most_modes,
     pivot_heave,
     pivot_velocity,
     superpose,
-)
-from taichiflap.motion.sampling import PITCH_ACCEL, PITCH_RATE
-from taichiflap.structure.chordwise import Profile
+    ti,
+)  # fmt: skip
 
-ELEMENTS = 64
-ANGLES = 256
+ELEMENTS, ANGLES = 64, 256
 SHARES, POLES = (0.165, 0.335), (0.0455, 0.3)
 """Wagner's function is about `1 - sum share exp(-pole s)`, s in half-chords."""
 
@@ -53,48 +55,46 @@ WASH, RISE, SPIN, TILT, TURN = range(5)
 PLATE, HEAVE, COUPLE, ACCELERATION = range(4)
 """Amplitudes of the three distributions of load, N and N m; and the d2h/dt2 behind them."""
 
-Loads = ti.types.argpack(
-    constant=Floats2,
-    stream=Floats2,
-    spread=Floats3,  # (case, distribution, element): pressure of a unit load
-    arm=Floats3,  # (case, mode, distribution): work of a unit load on a mode
-    mean=Floats3,  # (case, mode, average)
-    lag=Floats3,  # (case, 2, lag): one step earlier, and two
-    load=Floats3,  # (case, column, 4): the loads without modal acceleration, and by that of each mode
-    now=Floats2,  # and in all
-)
+
+class Numbers(Table):
+    """What the case file says in `[numbers]`."""
+
+    lift_slope: float = key(2.0 * math.pi, unit="1/rad", text="change of the lift coefficient with the angle", gt=0)
 
 
-def flow(cases, sections):
-    """Constants of every case; the averages over the chord by Gauss and Chebyshev's rule in `y = c/2 (1 - cos t)`."""
-    count, most = len(cases), most_modes(sections)
-    constant, spread = np.zeros((count, 5)), np.zeros((count, 3, ELEMENTS))
-    arm, mean = np.zeros((count, most, 3)), np.zeros((count, most, 5))
-    cosine = np.cos((np.arange(ANGLES) + 0.5) * math.pi / ANGLES)
-    plate, wash, heave = (weights / ANGLES for weights in (1 + cosine, 1 - cosine, 2 * (1 - cosine**2)))
-    edge = np.arccos(1.0 - 2.0 * np.arange(ELEMENTS + 1) / ELEMENTS)
-    ahead = np.array([edge + np.sin(edge), edge - 0.5 * np.sin(2 * edge), -16 / 3 * np.sin(edge) ** 3]) / math.pi
-    for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
-        numbers, chord, span = case.numbers or {}, case.wing.chord, Profile.of(case.wing.span).mean
-        if numbers.keys() - {"lift_slope"}:
-            raise UserError(f"numbers = {numbers}: this model knows lift_slope only")
-        couple = -8 * cosine * heave / chord
-        added = case.fluid.density * span * math.pi * chord**2 / 4
-        lift = 0.5 * case.fluid.density * span * chord * numbers.get("lift_slope", 2 * math.pi)
-        constant[b] = lift, added, added * chord**2 / 32, chord, case.wing.pivot * chord
-        spread[b] = np.diff(ahead) * (ELEMENTS / (span * chord)) * np.array([[1.0], [1.0], [1.0 / chord]])
-        y = chord * (0.5 - 0.5 * cosine)
-        value, slope = section.shape(y), section.slope(y)
-        arm[b, : section.count] = np.stack([value @ weights for weights in (plate, heave, couple)], axis=1)
-        means = value @ wash, value @ heave, value @ couple, slope @ wash, slope @ heave
-        mean[b, : section.count] = np.stack(means, axis=1)
-    stream = array([case.fluid.velocity for case in cases], float)
-    loads = Loads(
-        constant=array(constant), stream=stream, spread=array(spread), arm=array(arm), mean=array(mean),
-        lag=zeros(ti.f64, count, 2, 2), load=zeros(ti.f64, count, most + 1, 4),
-        now=zeros(ti.f64, count, 4),
-    )  # fmt: skip
-    return Flow({"flow": loads}, {"flow": Loads}, prepare, settle, record)
+class Theodorsen(Model):
+    name, numbers, elements = "THEODORSEN", Numbers, ELEMENTS
+
+    def flow(self, cases, sections, body, threads):
+        """Constants of every case; averages over the chord by Gauss and Chebyshev's rule in `y = c/2 (1 - cos t)`."""
+        count, most = len(cases), most_modes(sections)
+        constant, spread = np.zeros((count, 5)), np.zeros((count, 3, ELEMENTS))  # spread: pressure of a unit load
+        arm, mean = np.zeros((count, most, 3)), np.zeros((count, most, 5))  # arm: work of a unit load on a mode
+        cosine = np.cos((np.arange(ANGLES) + 0.5) * math.pi / ANGLES)
+        plate, wash, heave = (weights / ANGLES for weights in (1 + cosine, 1 - cosine, 2 * (1 - cosine**2)))
+        edge = np.arccos(1.0 - 2.0 * np.arange(ELEMENTS + 1) / ELEMENTS)
+        ahead = np.array([edge + np.sin(edge), edge - 0.5 * np.sin(2 * edge), -16 / 3 * np.sin(edge) ** 3]) / math.pi
+        for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
+            chord, span = case.wing.chord, Profile.of(case.wing.span).mean
+            added = case.fluid.density * span * math.pi * chord**2 / 4
+            lift = 0.5 * case.fluid.density * span * chord * self.parameters(case).lift_slope
+            constant[b] = lift, added, added * chord**2 / 32, chord, case.wing.pivot * chord
+            spread[b] = np.diff(ahead) * (ELEMENTS / (span * chord)) * np.array([[1.0], [1.0], [1.0 / chord]])
+            y, couple = chord * (0.5 - 0.5 * cosine), -8 * cosine * heave / chord
+            value, slope = section.shape(y), section.slope(y)
+            arm[b, : section.count] = np.stack([value @ weights for weights in (plate, heave, couple)], axis=1)
+            means = value @ wash, value @ heave, value @ couple, slope @ wash, slope @ heave
+            mean[b, : section.count] = np.stack(means, axis=1)
+        return flow_of(
+            prepare, settle, record, constant=constant, spread=spread, arm=arm, mean=mean,
+            stream=np.array([case.fluid.velocity for case in cases], dtype=float),
+            lag=np.zeros((count, 2, 2)),  # one step earlier, and two
+            load=np.zeros((count, most + 1, 4)),  # without modal acceleration, and by that of each mode
+            now=np.zeros((count, 4)),  # and in all
+        )  # fmt: skip
+
+
+MODEL = Theodorsen()
 
 
 @ti.func
@@ -128,12 +128,7 @@ def load_column(flow: View, b, column, speed, lagged, turn, rise, spin):
 
 
 @ti.func
-def prepare(batch: View, b, n, rule):
-    load_modes(batch.body, batch.flow, b, n, rule)
-
-
-@ti.func
-def load_modes(body: View, flow: View, b, n, rule):
+def prepare(body: View, flow: View, b, n, rule):
     modes = body.modes[b]
     p_y, _ = pivot_velocity(body, flow.stream, b, n)
     turn = body.motion[b, n, PITCH_RATE] + superpose(flow.mean, body.q_known, b, RATE, TURN, modes)
@@ -158,12 +153,7 @@ def load_modes(body: View, flow: View, b, n, rule):
 
 
 @ti.func
-def settle(batch: View, b, n, rule):
-    sum_loads(batch.body, batch.flow, b, n, rule)
-
-
-@ti.func
-def sum_loads(body: View, flow: View, b, n, rule):
+def settle(body: View, flow: View, b, n, rule):
     p_y, _ = pivot_velocity(body, flow.stream, b, n)
     w = upwash(body, flow, b, n, body.q)
     for i in ti.static(range(2)):
@@ -187,25 +177,9 @@ def sum_loads(body: View, flow: View, b, n, rule):
 
 
 @ti.func
-def record(batch: View, b, frame):
+def record(flow: View, film: View, b, frame):
     for i in range(ELEMENTS):
         pressure = 0.0
         for m in range(3):
-            pressure += batch.flow.spread[b, m, i] * batch.flow.now[b, m]
-        batch.film.pressure_jump[b, frame, i] = ti.cast(pressure, ti.f32)
-
-
-class Theodorsen(Model):
-    name = "THEODORSEN"
-
-    def nodes(self, case):
-        return case.wing.chord * (np.arange(ELEMENTS + 1) / ELEMENTS - case.wing.pivot)
-
-    def work(self, case, step):
-        return 100.0
-
-    def flow(self, cases, sections, body, threads):
-        return flow(cases, sections)
-
-
-MODEL = Theodorsen()
+            pressure += flow.spread[b, m, i] * flow.now[b, m]
+        film.pressure_jump[b, frame, i] = ti.cast(pressure, ti.f32)

@@ -28,8 +28,8 @@ FLOORS = (
     "__main__",
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms.split()}
-AGAINST = {("case", "motion")}
-"""Imports inside a function: what \"auto\" means for the time step asks for the motion's speed."""
+AGAINST = {("case", "motion"), ("case", "fluids")}
+"""Imports inside a function: what \"auto\" means asks the motion for its speed, and the fluid model for its step."""
 
 
 def rooms_imported(file, parts):

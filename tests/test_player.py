@@ -213,6 +213,6 @@ def test_zoom_keeps_the_point_under_the_pointer(opened, lattice):
 def test_blades_play_without_a_wake_and_say_so(opened, blades):
     page = opened(blades, size=(420, 760))
     wait_until(page, "now > 2")
-    assert "blade elements have no wake" in page.inner_text("header")
+    assert "the model has no wake" in page.inner_text("header")
     assert not page.is_visible("#legend")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

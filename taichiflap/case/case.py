@@ -57,7 +57,7 @@ class Case(Section):
 
     title: str = Field("", description="a line that says what this is")
     solver: Solver = key("uvlm", text="fluid model; module:NAME is one of your own, a Python module")
-    numbers: dict[str, float] | None = key(
+    numbers: dict[str, bool | float | str] | None = key(
         None, text="what a fluid model of your own asks for, by its names", example={"lift_slope": 6.0}
     )
     wing: Wing
@@ -150,8 +150,9 @@ class Case(Section):
         return max(1, math.floor(duration / step * (1.0 + 1e-12))), step
 
     def _matched_step(self) -> float:
-        """The time (s) in which the trailing edge travels the mean length of a panel through the fluid."""
-        from ..motion import sampling as motion  # noqa: PLC0415 - only an automatic step needs it
+        """The time (s) in which the trailing edge travels as far through the fluid as the fluid model says."""
+        from .. import fluids  # noqa: PLC0415 - only an automatic step needs them
+        from ..motion import sampling as motion  # noqa: PLC0415
 
         over = 1.0 / self.motion.frequency if self.motion.frequency else cast(float, self.time.duration)
         times = self.motion.growth * self.periodic + over * np.arange(MOMENTS) / MOMENTS
@@ -159,7 +160,7 @@ class Case(Section):
         speed = motion.typical_speed(self.motion, behind, self.fluid.velocity, times)
         if not speed:
             raise ValueError('time: nothing moves, so "auto" finds no step; give a number')
-        return self.wing.chord / self.uvlm.panels / speed
+        return fluids.load(self.solver).stride(self) / speed
 
     def resolved(self) -> "Case":
         """The case with a number in the place of an automatic step."""

@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from .. import fluids
 from ..case.case import Case
 from ..case.motion import HarmonicPlunge, Travel
 from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
@@ -95,9 +96,7 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     if summary.wake_far_error is not None:
         yield _line("error of the far wake", f"{summary.wake_far_error:.2g} m/s at most, of eight vortices a step")
     if summary.wake_crossings:
-        kept = "was kept on its side" if case.uvlm.crossing == "reflect" else "passed through"
-        times = "once" if summary.wake_crossings == 1 else f"{summary.wake_crossings} times"
-        yield _line("wake upon the wing", f"{times} in the whole run a vortex {kept}")
+        yield _line("wake-wing crossings", str(summary.wake_crossings))
 
 
 def _unrest(summary: Summary) -> str:
@@ -142,12 +141,8 @@ def _coefficient(force: Statistic, scale: float) -> str:
 
 
 def _model(case: Case) -> str:
-    settings = [case.model]
-    if case.solver == "dbet":
-        settings += [f"{case.dbet.elements} elements"]
-    elif case.solver == "uvlm":
-        wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
-        settings += [f"{case.uvlm.panels} panels", wake]
+    model = fluids.known(case.solver)
+    settings = [case.model, *(model.settings(case) if model else [])]
     return ", ".join([*settings, f"fluid {case.fluid.density:g} kg/m3"])
 
 

@@ -101,8 +101,8 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
     model = f"{case.model}, {'flexible' if case.wing.modes else 'rigid'} wing"
     if case.motion.frequency:
         model += f", {case.motion.frequency:g} Hz"
-    if case.solver == "dbet":
-        model += "; blade elements have no wake"
+    if not result.has_wake:
+        model += "; the model has no wake"
     return Template(resources.files(__package__).joinpath("player.html").read_text(encoding="utf-8")).substitute(
         title=html.escape(scene.label(result)),
         model=html.escape(model),

@@ -3,14 +3,65 @@
 The models of this package go by their names; any other module that Python can import is one too, as `module:NAME`.
 """
 
+import contextlib
 import importlib
+import re
+import sys
+import traceback
+from collections.abc import Iterator
 
+from ..case.case import Case
 from ..case.solver import ELSEWHERE
 from ..errors import UserError
 from .interface import Model
 
 MODELS = ("dbet", "uvlm")
 """Packages here that hold a model, by the name that a case file gives it."""
+
+
+def known(solver: str) -> Model | None:
+    """A fluid model, if that runs no code of a stranger's: one of this package, or one that is imported already."""
+    module = solver.removeprefix(ELSEWHERE)
+    return load(solver) if module == solver or module in sys.modules else None
+
+
+def check(case: Case) -> None:
+    """Look at what a case says to its fluid model.
+
+    Raises:
+        ModelError: when there is no such model.
+        CaseError: when `numbers` says what the model does not take.
+    """
+    load(case.solver).parameters(case)
+
+
+@contextlib.contextmanager
+def blamed(solver: str) -> Iterator[None]:
+    """Tells where in a model of one's own something is wrong, while it makes its arrays and its kernel is compiled.
+
+    Raises:
+        ModelError: one sentence with the file, the line and what is wrong there.
+    """
+    if not solver.startswith(ELSEWHERE):
+        yield
+        return
+    try:
+        yield
+    except UserError:
+        raise
+    except Exception as error:
+        raise ModelError(f'solver = "{solver}": {_place(error, solver.removeprefix(ELSEWHERE))}') from error
+
+
+def _place(error: Exception, name: str) -> str:
+    """Where in a module an error arose, and what it says."""
+    file = str(getattr(sys.modules.get(name), "__file__", name))
+    # Taichi, which compiles a function from its text, tells the lines in the error's own words, the inmost last.
+    lines = [str(one.lineno) for one in traceback.extract_tb(error.__traceback__) if one.filename == file]
+    lines += re.findall(rf'File "{re.escape(file)}", line (\d+)', str(error))
+    told = str(error).strip().rpartition("\n")[2].strip()
+    kind = "" if type(error).__name__ == "TaichiCompilationError" else f"{type(error).__name__}: "
+    return f"{file}{f', line {lines[-1]}' if lines else ''}: {kind}{told}"
 
 
 class ModelError(UserError):

@@ -13,8 +13,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import ValidationError, create_model
 
-from ..case.case import Case
+from ..case.case import Case, CaseError
+from ..case.messages import describe
+from ..case.schema import Section
 from ..results.variables import VARIABLES, WAKE_VARIABLES, Variable
 from ..structure.beam import Modes
 
@@ -98,6 +101,26 @@ class Axis:
 
 
 @dataclass(frozen=True)
+class Refinement:
+    """A key of the case file that a study of convergence doubles.
+
+    Attributes:
+        key: such as `uvlm.panels`.
+        value: where the case has it.
+        per_step: for a key that counts what the steps leave behind: how much a step leaves at most. It is refined with
+            the time step, so that it reaches as far back, and never beyond what the whole run leaves.
+    """
+
+    key: str
+    value: int
+    per_step: int = 0
+
+
+Velocity = Callable[[Array], Array]
+"""Velocity of the fluid (m/s, along Y and Z) at points (Y and Z, m), both of shape (2, ...)."""
+
+
+@dataclass(frozen=True)
 class Flow:
     """A batch of cases in motion. The march fuses the functions into one kernel that takes many steps.
 
@@ -139,16 +162,23 @@ class Model:
     """A fluid model, without a state: derive from it, and override what differs.
 
     Attributes:
-        name: in headings and files.
+        name: in headings.
         outputs: the arrays that it stores; every model has `pressure_jump`.
+        numbers: what the table `[numbers]` of the case file may say to a model of one's own, each key with its meaning,
+            unit and range; None where it may say anything.
+        elements: into how many elements along the chord it divides the wing, unless it has `nodes` of its own.
+        draws_flow: whether `velocity` has an answer.
     """
 
     name: ClassVar[str]
     outputs: ClassVar[tuple[Output, ...]] = standard("pressure_jump")
+    numbers: ClassVar[type[Section] | None] = None
+    elements: ClassVar[int] = 50
+    draws_flow: ClassVar[bool] = False
 
     def nodes(self, case: Case) -> Array:
-        """Positions of the nodes along the chord, from the pivot, m: the ends of its panels or elements."""
-        raise NotImplementedError
+        """Positions of the nodes along the chord, from the pivot, m: the ends of its `elements`, which are equal."""
+        return case.wing.chord * (np.arange(self.elements + 1) / self.elements - case.wing.pivot)
 
     def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
         """A batch at rest.
@@ -162,7 +192,58 @@ class Model:
 
     def work(self, case: Case, step: int) -> float:
         """Rough cost of a step, in pair interactions (about a nanosecond)."""
-        raise NotImplementedError
+        return 50.0 * (len(self.nodes(case)) - 1)
+
+    def settings(self, case: Case) -> list[str]:
+        """Its settings in few words, for a line that describes a run: `50 panels`."""
+        return []
+
+    def warnings(self, case: Case) -> list[str]:
+        """What of a case the model is not good for, one sentence each."""
+        return []
+
+    def attached_in(self, case: Case) -> float | None:
+        """Degrees of angle of attack beyond which the flow separates, of which the model knows nothing; else None."""
+        return None
+
+    def cures(self, case: Case) -> list[str]:
+        """What of the model's own settings may help a case that diverged, the likeliest first."""
+        return []
+
+    def stride(self, case: Case) -> float:
+        """Distance (m) that the trailing edge travels in an automatic time step: the mean length of a panel."""
+        return case.wing.chord / (len(self.nodes(case)) - 1)
+
+    def refinements(self, case: Case) -> list[Refinement]:
+        """What a study of convergence refines besides the time step, the beats and the modes."""
+        return []
+
+    def velocity(self, result: Any, index: int) -> Velocity | None:
+        """The flow of a frame of a result, for a picture of it; None where the model knows none.
+
+        What it takes from the file it reads now: the function that it returns may be called by another thread.
+        """
+        return None
+
+    def parameters(self, case: Case) -> Any:
+        """The case's `numbers`, checked, with the defaults of the model's table for what it does not say.
+
+        Raises:
+            CaseError: with every problem found.
+        """
+        given: dict[str, Any] = dict(case.numbers or {})
+        if self.numbers is None:
+            return given
+        # A map keeps all its values as doubles.
+        for name, one in self.numbers.model_fields.items():
+            if one.annotation is int and isinstance(given.get(name), float) and given[name].is_integer():
+                given[name] = int(given[name])
+        whole = create_model("Numbers", __base__=Section, numbers=(self.numbers, ...))
+        try:
+            return whole(numbers=given).numbers  # type: ignore[attr-defined]
+        except ValidationError as error:
+            found = [describe(one, {"numbers": given}, whole) for one in error.errors(include_url=False)]
+            raise CaseError(case.title or self.name, list(dict.fromkeys(found))) from None
 
     def axes(self, case: Case) -> Mapping[str, Axis]:
         """The axes of its outputs that are neither `node` nor `panel`."""

@@ -21,7 +21,7 @@ def hasten(taichi: Any) -> None:
         return
     kernels = taichi.lang.kernel_impl
     # It draws the source line of every node.
-    taichi.lang.ast.ast_transformer_utils.ASTTransformerContext.get_pos_info = lambda _context, _node: ""
+    taichi.lang.ast.ast_transformer_utils.ASTTransformerContext.get_pos_info = _position
     # At every decorator it reads the line of the frame around it; a class body is known by its name.
     kernels._inside_class = _inside_class
     # At every call of a function it searches all modules for its source.
@@ -29,6 +29,13 @@ def hasten(taichi: Any) -> None:
     kernels.getsourcelines = _source
     # With every array it notes who has called for it.
     taichi.lang._ndarray.get_traceback = taichi.lang.matrix.get_traceback = lambda: ""
+
+
+def _position(context: Any, node: Any) -> str:
+    """Where a node is, for the message about what is wrong there; nothing while all is well."""
+    if sys.exc_info()[0] is None:
+        return ""
+    return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
 
 
 def _inside_class(level_of_class_stackframe: int) -> bool:

@@ -1,6 +1,7 @@
 """Why a case stopped before its end: what ran away, when, from what, and what is likely to help."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +22,18 @@ def limits(section: Modes) -> NDArray[np.float64]:
     return RUNAWAY * section.chord / np.abs(shape).max(axis=1, initial=0.0)
 
 
-def reason(case: Case, section: Modes, step: int, now: NDArray[np.float64], before: NDArray[np.float64]) -> str:
+def reason(
+    case: Case,
+    section: Modes,
+    step: int,
+    now: NDArray[np.float64],
+    before: NDArray[np.float64],
+    of_fluid: Sequence[str] = (),
+) -> str:
     """One sentence on a case that stopped.
 
     Args:
+        of_fluid: what of the fluid model's own settings may help.
         step: the step at which it stopped.
         now, before: modal amplitudes at that step and at the one before, shape (modes,).
     """
@@ -35,14 +44,14 @@ def reason(case: Case, section: Modes, step: int, now: NDArray[np.float64], befo
     else:
         what = f"the forces ceased to be finite {when}"
     size = f"; one step earlier the trailing edge stood {_chords(float(tip @ before), case)} from the chord"
-    return f"{what}{size if section.count else ''}. Likely to help: {'; '.join(_cures(case, section))}"
+    return f"{what}{size if section.count else ''}. Likely to help: {'; '.join(_cures(case, section, of_fluid))}"
 
 
 def _chords(deflection: float, case: Case) -> str:
     return f"{abs(deflection) / case.wing.chord:.3g} chords"
 
 
-def _cures(case: Case, section: Modes) -> list[str]:
+def _cures(case: Case, section: Modes, of_fluid: Sequence[str]) -> list[str]:
     """What may help, the likeliest first."""
     found = []
     moved = sampling.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
@@ -56,8 +65,7 @@ def _cures(case: Case, section: Modes) -> list[str]:
     if section.count and mass_ratio > 1.0:
         heavier = "a smaller fluid.density or a larger wing.density"
         found.append(f"{heavier} (the fluid that moves with the wing weighs {mass_ratio:.3g} times the wing)")
-    if case.solver == "uvlm" and not case.uvlm.core:
-        found.append("a uvlm.core such as 0.02 (a vortex may have come too close to the wing)")
+    found += of_fluid
     if case.time.periods is None:
         return [*found, f"a time.step smaller than {case.step:.3g} s"]
     return [*found, f"more time.steps_per_period than {case.steps_per_beat:g}"]

@@ -299,7 +299,7 @@ class March:
             return ""
         # The step that failed has moved its predecessor to the rows from BEFORE on.
         now, before = (view(self.body.q)[b, row, :count] for row in (AMPLITUDE, BEFORE))
-        return divergence.reason(self.cases[b], self.sections[b], step, now, before)
+        return divergence.reason(self.cases[b], self.sections[b], step, now, before, self.fluid.cures(self.cases[b]))
 
     def _make_room(self, steps: int, frames: int) -> None:
         if steps <= self._room[0] and frames <= self._room[1]:

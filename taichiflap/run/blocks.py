@@ -132,18 +132,21 @@ def _run(
     resumed: Sequence[Checkpoint | None] | None = None,
 ) -> list[Result]:
     fluid = fluids.load(cases[0].solver)
+    for case in cases:
+        fluids.check(case)
     writers: list[Writer] = []
     try:
-        for path, case in zip(paths, cases, strict=True):
-            writers.append(Writer(case, path, warnings.warnings(case), overwrite, resumed is not None))
-        march = March(cases, fluid, threads)
 
         def derive(blocks: list[dict[str, np.ndarray]]) -> Iterator[dict[str, Any]]:
             for b, (case, frames) in enumerate(zip(cases, blocks, strict=True)):
                 yield loads.derive(case, march.sections[b], fluid.nodes(case), march.motion[b], frames)
 
-        for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
-            writer.lay_out(fluid.nodes(writer.case), section, sample, _contents(fluid, writer.case))
+        with fluids.blamed(cases[0].solver):
+            for path, case in zip(paths, cases, strict=True):
+                writers.append(Writer(case, path, warnings.warnings(case), overwrite, resumed is not None))
+            march = March(cases, fluid, threads)
+            for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
+                writer.lay_out(fluid.nodes(writer.case), section, sample, _contents(fluid, writer.case))
         solve_time = _take_up(march, writers, resumed)
         most = FIRST_WORK
         while not march.done:

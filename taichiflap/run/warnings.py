@@ -27,8 +27,6 @@ MASS_RATIO = 0.005, 1000.0
 """A wing's mass over that of the fluid that moves with it: of a foil in water, and of a plate in air."""
 BENT = 0.3
 """Tip deflection, in chords, at which a load on the tip of a real beam bends it a tenth less than a linear one."""
-ATTACHED = 20.0
-"""Degrees that a flow to a sharp edge stays attached at, even for a moment."""
 LONGER = 2.0
 """A table of a motion that lasts so many times as long as the run is hardly meant."""
 TIMES = 2048
@@ -37,6 +35,9 @@ TIMES = 2048
 def warnings(case: Case) -> list[str]:
     """What is implausible about a case, one sentence each; an empty list when nothing is."""
     found = [*_of_mass(case), *_of_speed(case), *_of_tables(case)]
+    with fluids.blamed(case.solver):
+        found += fluids.load(case.solver).warnings(case)
+        size = file_size(case)
     first = beam.modes(case.wing).frequency[:1]
     flapping = case.motion.frequency
     if first.size and flapping and first[0] < flapping:
@@ -48,7 +49,6 @@ def warnings(case: Case) -> list[str]:
         most = Profile.of(case.wing.thickness).values.max()
         if most > 0.2 * case.wing.chord:
             found.append(f"wing.thickness = {most:g} m is over a fifth of the chord: no thin plate bends so")
-    size = file_size(case)
     if size > LARGE:
         found.append(f"the result file will take {size / 1e9:.3g} GB; a larger output.every makes it smaller")
     return found
@@ -57,12 +57,14 @@ def warnings(case: Case) -> list[str]:
 def outcome(case: Case, tip_deflection: NDArray[np.float64]) -> list[str]:
     """What is implausible about what came of a case, one sentence each; an empty list when nothing is."""
     found = list(too_bent(float(np.abs(tip_deflection).max(initial=0.0)), case.wing.chord))
-    if case.solver == "uvlm":
+    model = fluids.load(case.solver)
+    attached = model.attached_in(case)
+    if attached is not None:
         angle = _angle(case)
-        if angle > ATTACHED:
+        if angle > attached:
             found.append(
-                f"the flow meets the chord at {angle:.0f} deg where it is fast: beyond some {ATTACHED:g} deg "
-                "it separates at the leading edge, of which UVLM knows nothing"
+                f"the flow meets the chord at {angle:.0f} deg where it is fast: beyond some {attached:g} deg "
+                f"it separates at the leading edge, of which {model.name} knows nothing"
             )
     return found
 

@@ -52,6 +52,7 @@ def batches(
         for number in pending[first : first + WINDOW].tolist():
             try:
                 one = design.case(case, number)
+                fluids.check(one)
             except CaseError as error:
                 yield number, error
             else:
@@ -117,8 +118,9 @@ def compute(
     Args:
         progress: called with the share that is done, 0 to 1.
     """
-    march = March(cases, fluids.load(cases[0].solver), threads, film=False)
-    march.advance(0)
+    with fluids.blamed(cases[0].solver):
+        march = March(cases, fluids.load(cases[0].solver), threads, film=False)
+        march.advance(0)
     blocks = []
     total = sum(work(case) for case in cases)
     steps = max(1, int(march.steps * LAUNCH_WORK * (threads or available_threads()) / total))

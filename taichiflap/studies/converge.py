@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from .. import fluids
 from ..case.case import Case
 from ..errors import UserError
 from ..metrics.names import QUANTITIES, choose
@@ -18,8 +19,7 @@ from .ledger import Ledger, Point
 METRICS = ("force_vertical_mean", "power_mean", "tip_peak_mean")
 REFINEMENTS = 5
 """A key is refined at most so often: 32 times finer, or 5 modes more."""
-STEPS, WAKE, MODES, PERIODS = "time.steps_per_period", "uvlm.wake", "wing.modes", "time.periods"
-ALONG_CHORD = {"uvlm": "uvlm.panels", "dbet": "dbet.elements"}
+STEPS, MODES, PERIODS = "time.steps_per_period", "wing.modes", "time.periods"
 
 Told = Callable[["Trial"], None]
 
@@ -110,31 +110,33 @@ def converge(
         search.found.accepted = dict(start)
         finer = {**start}
         for key in start:
-            if key not in (PERIODS, MODES, WAKE):
+            if key not in (PERIODS, MODES, *_per_step(case)):
                 finer = _refined(finer, key, case)
         search.found.together = search.change(search.metrics([start, finer]))
         return search.found
 
 
 def _start(case: Case) -> dict[str, int]:
-    along = ALONG_CHORD[case.solver]
-    table, _, key = along.partition(".")
+    found = fluids.load(case.solver).refinements(case)
     steps, periods = case.time.steps_per_period, case.time.periods
     if not isinstance(steps, int) or periods is None:
         raise ConvergeError(f"{STEPS} and {PERIODS}: give them as numbers to refine, with --set or in the case file")
-    start = {along: int(getattr(getattr(case, table), key)), STEPS: steps}
-    if case.solver == "uvlm" and case.uvlm.wake != "all":
-        start[WAKE] = case.uvlm.wake
-    start[PERIODS] = periods
+    start = {one.key: one.value for one in found if not one.per_step}
+    start |= {STEPS: steps} | {one.key: one.value for one in found if one.per_step} | {PERIODS: periods}
     return start | ({MODES: case.wing.modes} if case.wing.modes else {})
+
+
+def _per_step(case: Case) -> dict[str, int]:
+    """The keys that count what the steps leave behind, and how much a step leaves."""
+    return {one.key: one.per_step for one in fluids.load(case.solver).refinements(case) if one.per_step}
 
 
 def _refined(point: dict[str, int], key: str, case: Case) -> dict[str, int]:
     finer = {**point, key: point[key] + 1 if key == MODES else 2 * point[key]}
-    if key == STEPS and WAKE in point:
-        finer[WAKE] = 2 * point[WAKE]
-    if WAKE in finer:
-        finer[WAKE] = min(finer[WAKE], finer[STEPS] * finer[PERIODS] + 1)
+    for counted, each in _per_step(case).items():
+        if key == STEPS:
+            finer[counted] = 2 * point[counted]
+        finer[counted] = min(finer[counted], each * (finer[STEPS] * finer[PERIODS] + 1))
     return finer
 
 
@@ -152,7 +154,7 @@ class _Search:
         while len(points) <= REFINEMENTS:
             finer = _refined(points[-1], key, self.case)
             if finer == points[-1]:
-                break  # the wake is whole: there is none finer
+                break  # it holds all that the run leaves: there is none finer
             points.append(finer)
         whole = len(points) <= REFINEMENTS
         metrics = self.metrics(points[:3])

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...case.case import Case
 from ...structure.beam import Modes
-from ..interface import Array, Flow, Model, standard
+from ..interface import Array, Flow, Model, Refinement, standard
 
 
 class Dbet(Model):
@@ -20,8 +20,11 @@ class Dbet(Model):
         chord = case.wing.chord
         return chord * np.arange(case.dbet.elements + 1) / case.dbet.elements - case.wing.pivot * chord
 
-    def work(self, case: Case, step: int) -> float:
-        return 50.0 * case.dbet.elements
+    def settings(self, case: Case) -> list[str]:
+        return [f"{case.dbet.elements} elements"]
+
+    def refinements(self, case: Case) -> list[Refinement]:
+        return [Refinement("dbet.elements", case.dbet.elements)]
 
     def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
         from .flow import flow  # noqa: PLC0415 - Taichi, for a run alone

@@ -7,14 +7,20 @@ import numpy as np
 
 from ...case.case import Case
 from ...structure.beam import Modes
-from ..interface import WAKE, Array, Flow, Model, Output, standard
+from ..interface import WAKE, Array, Flow, Model, Output, Refinement, Velocity, standard
 from . import stations
+
+ATTACHED = 20.0
+"""Degrees that a flow to a sharp edge stays attached at, even for a moment."""
+SPREAD = 0.08
+"""Least radius over which a vortex is spread in a picture of the flow, chords: a point alone would be a needle."""
 
 
 class Uvlm(Model):
     """The vortex lattice (`[uvlm]`)."""
 
     name = "UVLM"
+    draws_flow = True
     outputs = (
         *standard("circulation", "panel_circulation", "pressure_jump"),
         *WAKE,
@@ -33,6 +39,42 @@ class Uvlm(Model):
     def work(self, case: Case, step: int) -> float:
         panels, vortices = case.uvlm.panels, float(self.entries(case, step))
         return (vortices + panels) ** 2 + panels**3 / 10.0
+
+    def settings(self, case: Case) -> list[str]:
+        wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
+        return [f"{case.uvlm.panels} panels", wake]
+
+    def attached_in(self, case: Case) -> float | None:
+        return ATTACHED
+
+    def cures(self, case: Case) -> list[str]:
+        near = "a uvlm.core such as 0.02 (a vortex may have come too close to the wing)"
+        return [] if case.uvlm.core else [near]
+
+    def refinements(self, case: Case) -> list[Refinement]:
+        found = [Refinement("uvlm.panels", case.uvlm.panels)]
+        if case.uvlm.wake != "all":
+            found.append(Refinement("uvlm.wake", case.uvlm.wake, per_step=1))
+        return found
+
+    def velocity(self, result: Any, index: int) -> Velocity:
+        case, wake = result.case, result.wake(index)
+        node = np.asarray(result.frame("node_position", index), dtype=float)
+        at = stations.stations(case)
+        share = (at.vortex - at.node[:-1]) / np.diff(at.node)
+        bound = node[:-1] + share[:, None] * np.diff(node, axis=0)
+        places = np.concatenate((bound.T, np.stack((wake["y"], wake["z"]))), axis=1)
+        strength = np.concatenate((result.frame("panel_circulation", index), wake["circulation"]))
+        vortices = np.concatenate((places, strength[None, :]))
+        core = max(SPREAD, case.uvlm.core) * case.wing.chord
+
+        def flow(points: Array) -> Array:
+            from ...vortex.sum import induced_velocity  # noqa: PLC0415 - Taichi, for a picture of the flow alone
+
+            stream = np.asarray(case.fluid.velocity).reshape(2, *(1,) * (points.ndim - 1))
+            return induced_velocity(points, vortices, core) + stream
+
+        return flow
 
     def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
         from .flow import flow  # noqa: PLC0415 - Taichi, for a run alone

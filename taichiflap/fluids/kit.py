@@ -1,0 +1,87 @@
+"""What a fluid model of one's own takes from this package, in one place."""
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from ..case.case import Case
+from ..case.schema import Section as Table
+from ..case.schema import key
+from ..kernels.arrays import array
+from ..kernels.runtime import View, ti
+from ..march.state import (
+    ACCEL,
+    AMPLITUDE,
+    AXIAL,
+    BETA,
+    C0,
+    C1,
+    C2,
+    COSINE,
+    MOMENT,
+    NORMAL,
+    RATE,
+    SINE,
+    UNSTEADY,
+    most_modes,
+    pivot_heave,
+    pivot_velocity,
+    superpose,
+)
+from ..motion.sampling import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE
+from ..structure.beam import Modes
+from ..structure.chordwise import Profile
+from .interface import WAKE, Axis, Flow, Model, Output, Refinement, standard
+
+__all__ = [
+    "ACCEL", "AMPLITUDE", "AXIAL", "BETA", "C0", "C1", "C2", "COSINE", "MOMENT", "NORMAL", "PITCH", "PITCH_ACCEL",
+    "PITCH_RATE", "PLUNGE", "PLUNGE_ACCEL", "PLUNGE_RATE", "RATE", "SINE", "UNSTEADY", "WAKE", "Axis", "Case", "Flow",
+    "Model", "Modes", "Output", "Profile", "Refinement", "Table", "View", "flow_of", "key", "most_modes", "pivot_heave",
+    "pivot_velocity", "standard", "superpose", "ti",
+]  # fmt: skip
+
+
+def flow_of(prepare: Any, settle: Any, record: Any, record_step: Any = None, **arrays: np.ndarray) -> Flow:
+    """A batch whose arrays are one group, `flow`.
+
+    Args:
+        prepare, settle: `ti.func`s of `(body, flow, b, n, rule)`; see `Flow`.
+        record: a `ti.func` of `(flow, film, b, frame)`.
+        record_step: one of `(flow, film, b, row)`, for series.
+        arrays: doubles or integers with a leading case axis, as they are at rest.
+    """
+    kinds = tuple((name, values.dtype.kind, values.ndim) for name, values in arrays.items())
+    group = _group(kinds)
+    batch = group(**{name: array(values) for name, values in arrays.items()})
+    return Flow({"flow": batch}, {"flow": group}, *_unpacked(prepare, settle, record, record_step))
+
+
+@functools.cache
+def _group(kinds: tuple[tuple[str, str, int], ...]) -> Any:
+    return ti.types.argpack(
+        **{name: ti.types.ndarray(ti.f64 if kind == "f" else ti.i32, ndim) for name, kind, ndim in kinds}
+    )
+
+
+@functools.cache
+def _unpacked(prepare: Any, settle: Any, record: Any, record_step: Any) -> tuple[Any, ...]:
+    """The functions as the march calls them, with the whole batch."""
+
+    @ti.func
+    def prepare_batch(batch: View, b, n, rule):
+        prepare(batch.body, batch.flow, b, n, rule)
+
+    @ti.func
+    def settle_batch(batch: View, b, n, rule):
+        settle(batch.body, batch.flow, b, n, rule)
+
+    @ti.func
+    def record_batch(batch: View, b, frame):
+        record(batch.flow, batch.film, b, frame)
+
+    @ti.func
+    def record_batch_step(batch: View, b, row):
+        record_step(batch.flow, batch.film, b, row)
+
+    return prepare_batch, settle_batch, record_batch, record_batch_step if record_step else None
