@@ -238,9 +238,9 @@ class Model:
         for name, one in self.numbers.model_fields.items():
             if one.annotation is int and isinstance(given.get(name), float) and given[name].is_integer():
                 given[name] = int(given[name])
-        whole = create_model("Numbers", __base__=Section, numbers=(self.numbers, ...))
+        whole: Any = create_model("Numbers", __base__=Section, numbers=(self.numbers, ...))
         try:
-            return whole(numbers=given).numbers  # type: ignore[attr-defined]
+            return whole(numbers=given).numbers
         except ValidationError as error:
             found = [describe(one, {"numbers": given}, whole) for one in error.errors(include_url=False)]
             raise CaseError(case.title or self.name, list(dict.fromkeys(found))) from None
