@@ -18,11 +18,12 @@ from .dbet import Dbet
 from .document import DocumentError, check, names_no_file, own_case, read_text, read_toml
 from .fluid import Fluid
 from .messages import describe
-from .motion import Motion, TablePitch, TablePlunge
+from .motion import Motion
 from .output import Output
 from .schema import Section, key, needed, section
 from .solver import Solver, model_name
-from .tabulated import PointsError, with_points
+from .tables import Table
+from .tabulated import Origin, PointsError, reopened, with_points
 from .time import Time
 from .uvlm import Uvlm
 from .wing import Wing
@@ -76,13 +77,8 @@ class Case(Section):
             product = "duration / time.step" if self.time.periods is None else "periods * time.steps_per_period"
             raise ValueError(f"time.{product} = {self.steps}: at most {MAX_STEPS} steps in one case")
         for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch), ("surge", self.motion.surge)):
-            if isinstance(axis, TablePlunge | TablePitch) and not axis.periodic:
-                first, last = (axis.in_si()["points"][end][0] for end in (0, -1))
-                if first > 0.0 or last < self.duration * (1.0 - 1e-9):
-                    raise ValueError(
-                        f"motion.{name}: its points go from {first:g} to {last:g} s, the case from 0 to "
-                        f"{self.duration:g} s; give more points, or make it periodic"
-                    )
+            if isinstance(axis, Table) and (problem := axis.problem(self.motion.frequency, self.duration)):
+                raise ValueError(f"motion.{name}: {problem}")
         return self
 
     @property
@@ -174,7 +170,8 @@ class Case(Section):
         Raises:
             CaseError: with every problem found.
         """
-        return parse_case({**apply_settings(self._opened(settings), settings, "override"), **named}, "override")
+        document = {**apply_settings(self._opened(settings), settings, "override"), **named}
+        return self._following(document, "override", self.origin.folder or Path())
 
     def changed(self, values: Mapping[str, Any], source: str = "changed") -> "Case":
         """A copy with the values of some dotted keys changed; what it does not touch is not checked again.
@@ -188,12 +185,31 @@ class Case(Section):
         ]
         if problems:
             raise CaseError(source, problems)
-        return parse_case(document, source, None)
+        return self._following(document, source, self.origin.folder)
+
+    @property
+    def origin(self) -> Origin:
+        """Where the tables of its motion were read from; nowhere in a case that a result or a map holds."""
+        return self.__dict__.get("_origin", Origin())
+
+    def _following(self, document: Mapping[str, Any], source: str, folder: Path | None) -> "Case":
+        """The case of a changed document; tables that it has in common with this one keep their origin."""
+        case = parse_case(document, source, folder)
+        kept = {name: given for name, given in self.origin.tables.items() if _points(case, name) == _points(self, name)}
+        return case._from(Origin(self.origin.folder, kept | case.origin.tables))
+
+    def _from(self, origin: Origin) -> "Case":
+        # Like a cached property: no field, so that it is no part of the case.
+        self.__dict__["_origin"] = origin
+        return self
 
     def _opened(self, keys: Iterable[str]) -> dict[str, Any]:
         """The case by section: as plain values where a key begins with its name, else as it is, checked already."""
-        names = {key.partition(".")[0].partition("=")[0].strip() for key in keys}
+        keys = {key.partition("=")[0].strip() for key in keys}
+        names = {key.partition(".")[0] for key in keys}
         opened = self.model_dump(mode="json", exclude_none=True, include=names)
+        if "motion" in opened:
+            opened["motion"] = reopened(opened["motion"], keys, self.origin)
         return {name: opened.get(name, value) for name, value in self if value is not None}
 
     def to_dict(self) -> dict[str, Any]:
@@ -203,6 +219,10 @@ class Case(Section):
     def to_toml(self) -> str:
         """The case as a file that `load_case` reads back to an equal case."""
         return tomli_w.dumps(self.to_dict())
+
+
+def _points(case: Case, name: str) -> Any:
+    return getattr(getattr(case.motion, name), "given", None)
 
 
 def load_case(path: str | Path, settings: Iterable[str] = ()) -> Case:
@@ -241,11 +261,12 @@ def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path |
     """
     try:
         check(document)
+        origin = Origin(folder)
         if folder is None:
             names_no_file(document)
         else:
-            document = with_points(document, folder)
-        return Case.model_validate(document)
+            document, origin = with_points(document, folder)
+        return Case.model_validate(document)._from(origin)
     except (DocumentError, PointsError) as error:
         raise CaseError(source, [str(error)]) from None
     except ValidationError as error:

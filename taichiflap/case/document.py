@@ -31,10 +31,23 @@ def read_text(path: Path, *, regular: bool = False) -> str:
     """The text of a file in UTF-8, without the mark that may come first.
 
     Args:
-        regular: refuse what is no regular file before it is opened: a pipe would wait, a device never ends.
+        regular: see `read_bytes`.
 
     Raises:
         DocumentError: when it is too large, no regular file, or no text.
+        OSError: when the system refuses.
+    """
+    return read_bytes(path, regular=regular).decode("utf-8-sig")
+
+
+def read_bytes(path: Path, *, regular: bool = False) -> bytes:
+    """The bytes of a file.
+
+    Args:
+        regular: refuse what is no regular file before it is opened: a pipe would wait, a device never ends.
+
+    Raises:
+        DocumentError: when it is too large, or no regular file.
         OSError: when the system refuses.
     """
     if "\0" in str(path):
@@ -48,7 +61,7 @@ def read_text(path: Path, *, regular: bool = False) -> str:
         data = b"" if found.st_size > MOST_BYTES else file.read(MOST_BYTES + 1)
     if found.st_size > MOST_BYTES or len(data) > MOST_BYTES:
         raise DocumentError(f"larger than {MOST_BYTES >> 20} MB, the most that is read")
-    return data.decode("utf-8-sig")
+    return data
 
 
 def read_toml(text: str) -> dict[str, Any]:

@@ -1,58 +1,14 @@
 """`[motion]`: what the pivot is made to do. `taichiflap.motion.waveforms` holds the formula of each kind."""
 
-import itertools
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
-from .schema import Section, as_tuple, key, needed
-
-MOST_HARMONICS = 100
-
-
-def _terms(value: Any) -> Any:
-    if isinstance(value, list) and len(value) > MOST_HARMONICS:
-        raise ValueError(f"has {len(value):,} terms; at most {MOST_HARMONICS}, or a table of points")
-    return _rows(value)
-
-
-def _rows(value: Any) -> Any:
-    return tuple(as_tuple(row) for row in value) if isinstance(value, list) else value
-
-
-_Order = Annotated[int, Field(ge=1, le=100, title="n")]
-_Phase = Annotated[float, Field(ge=-360, le=360, title="phase_deg")]
-_Length = Annotated[float, Field(ge=-100, le=100, title="m")]
-_Angle = Annotated[float, Field(ge=-360, le=360, title="deg")]
-_Moment = Annotated[float, Field(ge=-1e6, le=1e6, title="time")]
-LengthHarmonics = Annotated[tuple[tuple[_Order, _Length, _Phase], ...], BeforeValidator(_terms)]
-AngleHarmonics = Annotated[tuple[tuple[_Order, _Angle, _Phase], ...], BeforeValidator(_terms)]
-LengthPoints = Annotated[tuple[tuple[_Moment, _Length], ...], BeforeValidator(_rows)]
-AnglePoints = Annotated[tuple[tuple[_Moment, _Angle], ...], BeforeValidator(_rows)]
-
-HARMONICS = "more terms, each [n, amplitude, phase_deg] of sin(2 pi n frequency t + phase)"
-POINTS = "points [time, value] to pass through; times in s, or in periods if periodic"
-
-
-class Travel(Section):
-    """How plunge, pitch or surge goes with time."""
-
-    kind: str
-
-    @property
-    def repeats(self) -> bool:
-        """Whether it has a period, so that it needs a frequency."""
-        return True
-
-    def in_si(self) -> dict[str, Any]:
-        """The keys in metres and radians, without their `_deg`: the arguments of this kind's formula."""
-        return {
-            name.removesuffix("_deg"): math.radians(value) if value and name.endswith("_deg") else value
-            for name, value in self
-            if value is None or isinstance(value, float)
-        }
+from .schema import Section, key, needed
+from .tables import TablePitch, TablePlunge
+from .travel import HARMONICS, AngleHarmonics, LengthHarmonics, Travel
 
 
 class _LengthWave(Travel):
@@ -77,9 +33,9 @@ class HarmonicPlunge(_LengthWave):
     def repeats(self) -> bool:
         return bool(self.amplitude or self.harmonics)
 
-    def in_si(self) -> dict[str, Any]:
+    def in_si(self, frequency: float | None = None) -> dict[str, Any]:
         terms = tuple((n, size, math.radians(phase)) for n, size, phase in self.harmonics)
-        return super().in_si() | {"harmonics": terms}
+        return super().in_si(frequency) | {"harmonics": terms}
 
 
 class HarmonicPitch(_AngleWave):
@@ -92,9 +48,9 @@ class HarmonicPitch(_AngleWave):
     def repeats(self) -> bool:
         return bool(self.amplitude_deg or self.harmonics_deg)
 
-    def in_si(self) -> dict[str, Any]:
+    def in_si(self, frequency: float | None = None) -> dict[str, Any]:
         terms = tuple((n, math.radians(size), math.radians(phase)) for n, size, phase in self.harmonics_deg)
-        return super().in_si() | {"harmonics": terms}
+        return super().in_si(frequency) | {"harmonics": terms}
 
 
 class _Triangle(Travel):
@@ -161,61 +117,6 @@ class RampPitch(_Ramp):
 
     amplitude_deg: float = key(unit="deg", text="turn of the ramp, of either sign", example=45.0, ge=-360, le=360)
     initial_deg: float = key(0.0, unit="deg", text="angle before the ramp", ge=-360, le=360)
-
-
-class _Table(Travel):
-    kind: Literal["table"] = key(text="kind: a smooth curve through points", example="table")
-    periodic: bool = key(False, text="whether it repeats; its times are then fractions of the period")
-    file: str | None = key(
-        None, text="text or CSV file of points, named from the case file's folder", example="stroke.csv"
-    )
-    column: int | None = key(None, text="column of its values, the first holding the time; else 2", example=2, ge=2)
-
-    @property
-    def repeats(self) -> bool:
-        return self.periodic
-
-
-class TablePlunge(_Table):
-    """Measured plunge: a cubic spline through points given here or in a file."""
-
-    points: LengthPoints = key((), unit="m", text=POINTS, example=[[0.0, 0.0], [0.1, 0.01]])
-
-    @model_validator(mode="after")
-    def _passable(self) -> "TablePlunge":
-        _check_points(self.points, self.periodic)
-        return self
-
-    def in_si(self) -> dict[str, Any]:
-        return {"points": self.points}
-
-
-class TablePitch(_Table):
-    """Measured pitch: a cubic spline through points given here or in a file."""
-
-    points_deg: AnglePoints = key((), unit="deg", text=POINTS, example=[[0.0, 0.0], [0.1, 20.0]])
-
-    @model_validator(mode="after")
-    def _passable(self) -> "TablePitch":
-        _check_points(self.points_deg, self.periodic)
-        return self
-
-    def in_si(self) -> dict[str, Any]:
-        return {"points": tuple((time, math.radians(value)) for time, value in self.points_deg)}
-
-
-def _check_points(points: tuple[tuple[float, float], ...], periodic: bool) -> None:
-    if len(points) < 4:
-        raise ValueError(f"has {len(points)} points; give at least 4, here or in a file")
-    for (early, _), (late, _) in itertools.pairwise(points):
-        if late <= early:
-            raise ValueError(f"times must rise, and {late:g} comes after {early:g}")
-    if periodic:
-        (first, begin), (last, end) = points[0], points[-1]
-        if last - first > 1.0:
-            raise ValueError(f"its times are fractions of the period, and they go from {first:g} to {last:g}")
-        if last - first == 1.0 and begin != end:
-            raise ValueError(f"is periodic and begins with {begin:g}, but ends with {end:g}")
 
 
 def kind_of(value: Any) -> str:

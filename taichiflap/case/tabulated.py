@@ -1,21 +1,46 @@
 """Points of a tabulated motion, from a text or CSV file into the case, so that a case needs no file beside it."""
 
-import re
-from collections.abc import Mapping
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .document import DocumentError, read_text
+from .columns import Column, ColumnsError, bare, column, plain, read_columns
 
-SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
+POINTS = {"plunge": "points", "pitch": "points_deg", "surge": "points"}
+"""The key of each motion's points."""
+OF_FILE = ("file", "column", "time_column", "unit")
+"""Keys of a table that say how its points are read; a case that has been read holds the points in their place."""
+TIMES = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "ms": "ms", "msec": "ms", "milliseconds": "ms"}
+TIMES |= dict.fromkeys(("-", "t/t", "period", "periods", "beat", "beats", "cycle", "cycles"), "periods")
+LENGTHS = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "cm": 1e-2, "mm": 1e-3}
+ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0}
+ANGLES |= dict.fromkeys(("rad", "radian", "radians"), math.degrees(1.0))
+FOREIGN = ("us", "µs", "min", "µm", "um", "nm", "in", "inch", "ft", "%", "frame", "frames", "rev", "turns")
+"""Units that are known, and not read."""
+CALLED_TIME = ("t", "time", "times", "t/t", "zeit", "temps", "tiempo", "tempo")
 
 
 class PointsError(ValueError):
     """A file of points that cannot be used: one sentence with the key and the file."""
 
 
-def with_points(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """The document with the points of every table that names a `file` in the place of that name.
+@dataclass(frozen=True)
+class Origin:
+    """Where the tables of a case were read from, so that a changed column or file is read again.
+
+    Attributes:
+        folder: where a relative name begins; None for a case out of a result or a map, which opens no file.
+        tables: for each motion that names a file, its keys `OF_FILE`.
+    """
+
+    folder: Path | None = None
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+
+def with_points(document: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], Origin]:
+    """The document with the points of every table that names a `file` in the place of that name, and their origin.
 
     Args:
         folder: where a relative name begins.
@@ -25,64 +50,125 @@ def with_points(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """
     motion = document.get("motion")
     if not isinstance(motion, Mapping):
-        return dict(document)
-    read = {}
-    for name, key in (("plunge", "points"), ("pitch", "points_deg"), ("surge", "points")):
+        return dict(document), Origin(folder)
+    read, origins = {}, {}
+    sheets: dict[str, list[Column]] = {}
+    for name, key in POINTS.items():
         table = motion.get(name)
-        if isinstance(table, Mapping) and table.get("kind") == "table" and isinstance(table.get("file"), str):
-            rest = {k: v for k, v in table.items() if k not in ("file", "column")}
-            if key in rest:
-                raise PointsError(f"motion.{name}: has both {key} and a file; give one")
-            column = table.get("column", 2)
-            if not isinstance(column, int) or column < 2:
-                raise PointsError(
-                    f"motion.{name}.column = {column}: must be a whole number >= 2, e.g. 2 (column 1 is time)"
-                )
-            file = table["file"]
-            try:
-                read[name] = rest | {key: read_points(folder / file, column)}
-            except PointsError as error:
-                raise PointsError(f'motion.{name}.file = "{file}": {error}') from None
-    return {**document, "motion": {**motion, **read}}
+        if not isinstance(table, Mapping) or table.get("kind") != "table":
+            continue
+        given = {k: table[k] for k in OF_FILE if k in table}
+        if not isinstance(table.get("file"), str):
+            lonely = next((k for k in given if k != "file"), None)
+            if lonely:
+                raise PointsError(f'motion.{name}.{lonely} = {_shown(given[lonely])}: of what file? give file = "..."')
+            continue
+        rest = {k: v for k, v in table.items() if k not in OF_FILE}
+        if key in rest:
+            raise PointsError(f"motion.{name}: has both {key} and a file; give one")
+        file = given["file"]
+        try:
+            if file not in sheets:
+                sheets[file] = read_columns(folder / file)
+            read[name] = rest | _points(name, table, sheets[file])
+        except ColumnsError as error:
+            raise PointsError(f'motion.{name}.file = "{file}": {error}') from None
+        origins[name] = given
+    return {**document, "motion": {**motion, **read}}, Origin(folder, origins)
 
 
-def read_points(path: Path, column: int) -> list[list[float]]:
-    """Rows `[time, value]` from columns 1 and `column` of a file of numbers.
+def reopened(motion: dict[str, Any], keys: Collection[str], origin: Origin) -> dict[str, Any]:
+    """A motion whose points are to be read from their file again where one of the dotted `keys` says how they are read.
 
-    Numbers stand between commas, semicolons or spaces; between semicolons they may have decimal commas. A `#` begins
-    a comment, and one line of names may come first.
+    Args:
+        motion: `[motion]` as a dictionary, with its points.
+    """
+    opened = dict(motion)
+    for name, given in origin.tables.items():
+        if any(f"motion.{name}.{k}" in keys for k in OF_FILE) and isinstance(opened.get(name), dict):
+            opened[name] = {k: v for k, v in opened[name].items() if k != POINTS[name]} | given
+    return opened
+
+
+def read_points(path: Path, which: int | str, unit: str | None = None) -> list[list[float]]:
+    """Rows `[time, value]` of a file of plunge, m, from the column of the time and another.
 
     Raises:
-        PointsError: when the file cannot be read, a line does not hold the numbers, or lines differ in their columns.
+        ColumnsError: when the file cannot be read, or has no such column.
     """
-    try:
-        lines = read_text(path, regular=True).splitlines()
-    except FileNotFoundError:
-        raise PointsError("no such file beside the case") from None
-    except OSError as error:
-        raise PointsError(f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise PointsError("not a text file in UTF-8") from None
-    except DocumentError as error:
-        raise PointsError(str(error)) from None
-    points: list[list[float]] = []
-    named = False
-    columns = 0
-    for number, line in enumerate(lines, 1):
-        text = line.partition("#")[0].strip()
-        cells = SEPARATOR.split(text.replace(",", ".") if ";" in text else text)
-        if cells == [""]:
-            continue
-        try:
-            points.append([float(cells[0]), float(cells[column - 1])])
-        except IndexError:
-            raise PointsError(f"line {number} has no column {column}: {line.strip()[:40]}") from None
-        except ValueError:
-            if points or named:
-                raise PointsError(f"line {number} holds no numbers: {line.strip()[:40]}") from None
-            named = True
-            continue
-        columns = columns or len(cells)
-        if len(cells) != columns:
-            raise PointsError(f"line {number} has {len(cells)} columns, the first has {columns}: {line.strip()[:40]}")
-    return points
+    given = {"column": which} | ({"unit": unit} if unit else {})
+    found: list[list[float]] = _points("plunge", given, read_columns(path))["points"]
+    return found
+
+
+def _points(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[str, Any]:
+    """The points of a motion, and the unit of their times where the file gives one."""
+    times = _time_column(table, columns)
+    values = _value_column(name, table, columns, times)
+    scales = ANGLES if name == "pitch" else LENGTHS
+    scale = scales[_unit(values, table.get("unit"), scales, "an angle" if name == "pitch" else "a length")]
+    found: dict[str, Any] = {
+        POINTS[name]: [[time, scale * value] for time, value in zip(times.numbers(), values.numbers(), strict=True)]
+    }
+    usual = "periods" if table.get("periodic") is True else "s"
+    unit = TIMES.get(plain(times.unit) or plain(times.name), usual) if "time" not in table else usual
+    if times.unit and "time" not in table and plain(times.unit) in FOREIGN:
+        raise ColumnsError(f"{times} has its times in {times.unit}; give them in s, ms or periods")
+    # A share of a beat, "-", is no unit of what does not repeat.
+    return found | ({"time": unit} if unit not in (usual, "periods") else {})
+
+
+def _time_column(table: Mapping[str, Any], columns: list[Column]) -> Column:
+    given = table.get("time_column")
+    if given is None:
+        named = [one for one in columns if plain(one.name) in CALLED_TIME or bare(one.name) in CALLED_TIME]
+        return named[0] if named else columns[0]
+    return column(columns, _whole("time_column", given))
+
+
+def _value_column(name: str, table: Mapping[str, Any], columns: list[Column], times: Column) -> Column:
+    given = table.get("column")
+    if given is not None:
+        found = column(columns, _whole("column", given))
+        if found is times:
+            raise ColumnsError(f"{found} is the time; give the column of the {name}")
+        return found
+    others = [one for one in columns if one.number > times.number] or [one for one in columns if one is not times]
+    if not others:
+        raise ColumnsError(f"line {times.cells[0][0]} has no column 2: it has 1")
+    if bare(others[0].name) in POINTS and bare(others[0].name) != name:
+        raise ColumnsError(f"{others[0]} is not the {name}; say which one is, by its number or name: column = ...")
+    return others[0]
+
+
+def _unit(values: Column, given: Any, scales: Mapping[str, float], kind: str) -> str:
+    if given is not None:
+        if plain(str(given)) not in scales:
+            raise ColumnsError(f'unit = "{given}" is not {kind}; give {" or ".join(_usual(scales))}')
+        return plain(str(given))
+    unit = plain(values.unit)
+    if unit in scales:
+        return unit
+    if unit in ANGLES or unit in LENGTHS or unit in FOREIGN:
+        raise ColumnsError(
+            f"{values} is in {values.unit}, which is not {kind} that is read; give another column, or convert it to "
+            f"{' or '.join(_usual(scales))} and say so by unit"
+        )
+    return "deg" if "deg" in scales else "m"
+
+
+def _usual(scales: Mapping[str, float]) -> list[str]:
+    return ["deg", "rad"] if "deg" in scales else ["m", "cm", "mm"]
+
+
+def _whole(key: str, given: Any) -> int | str:
+    """A column's number or name, as the case file may give it."""
+    if isinstance(given, str) and given.strip():
+        return given.strip()
+    if isinstance(given, int) and not isinstance(given, bool) and given >= 1:
+        return given
+    raise ColumnsError(f"{key} = {_shown(given)}: must be a name or a whole number >= 1, e.g. 2")
+
+
+def _shown(value: Any) -> str:
+    return f'"{value}"' if isinstance(value, str) else str(value)

@@ -7,8 +7,10 @@ from typing import Any
 
 from .. import fluids
 from ..case.case import Case
-from ..case.motion import HarmonicPlunge, Travel
+from ..case.motion import HarmonicPlunge, Motion
+from ..case.travel import Travel
 from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
+from ..motion import fourier
 from ..notation import prefixed, printable
 from ..results.reader import Result
 from ..structure.chordwise import Profile
@@ -167,19 +169,21 @@ def _motion(case: Case) -> str:
         steps = f"{case.steps} steps of {case.step:.4g} s"
     else:
         steps = f"{time.periods} beats of {case.steps_per_beat:g} steps"
-    plunge, pitch = _travel(motion.plunge, "m"), _travel(motion.pitch, "deg")
-    surge = f", surge {_travel(motion.surge, 'm')}" if motion.surge != HarmonicPlunge() else ""
+    plunge, pitch = _travel(motion, motion.plunge, "m"), _travel(motion, motion.pitch, "deg")
+    surge = f", surge {_travel(motion, motion.surge, 'm')}" if motion.surge != HarmonicPlunge() else ""
     return f"{rate}plunge {plunge}, pitch {pitch}{surge}, {steps}"
 
 
-def _travel(axis: Travel, unit: str) -> str:
+def _travel(motion: Motion, axis: Travel, unit: str) -> str:
     """How far plunge or pitch goes, and how if not harmonically."""
-    keys = axis.in_si()
+    keys = axis.in_si(motion.frequency)
     far = max((abs(value) for _, value in keys["points"]), default=0.0) if "points" in keys else keys["amplitude"]
     scale, unit = (180.0 / math.pi, unit) if unit == "deg" else prefixed(far, unit)
     if "points" in keys:
         values = [scale * value for _, value in keys["points"]]
-        return f"{min(values):.3g} to {max(values):.3g} {unit} (table)"
+        found = fourier.series(**keys) if "smooth" in keys else None
+        near = f", {len(found.terms)} harmonics, rms residual {scale * found.residual:.2g} {unit}" if found else ""
+        return f"{min(values):.3g} to {max(values):.3g} {unit} (table{near})"
     kind = "" if axis.kind == "harmonic" else f" ({axis.kind})"
     middle = keys.get("mean", keys.get("initial"))
     about = f" about {scale * middle:.3g} {unit}" if middle else ""

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..case.motion import Motion, Travel
+from ..case.motion import Motion
+from ..case.travel import Travel
 from . import waveforms
 
 PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL, SURGE, SURGE_RATE, SURGE_ACCEL = range(9)
@@ -110,7 +111,7 @@ def sample_axis(axis: Travel, frequency: float | None, growth: float, times: NDA
 
 def _follow(axis: Travel, frequency: float | None, times: NDArray[np.floating]) -> Array:
     formula: Callable[..., Array] = getattr(waveforms, axis.kind)
-    arguments = axis.in_si()
+    arguments = axis.in_si(frequency)
     if axis.repeats:
         arguments["frequency"] = frequency
     return formula(times, **arguments)

@@ -13,7 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import fourier
+
 Array = NDArray[Any]
+Points = tuple[tuple[float, float], ...]
 
 
 def harmonic(
@@ -107,11 +110,26 @@ def ramp(
     return np.asarray(amplitude * found + [initial, 0.0, 0.0])
 
 
-def table(times: Array, *, points: tuple[tuple[float, float], ...], frequency: float | None = None) -> Array:
+def table(
+    times: Array,
+    *,
+    points: Points,
+    frequency: float | None = None,
+    smooth: int | None = None,
+    tolerance: float | None = None,
+) -> Array:
     """A cubic spline through `points` (time, value): its second derivative is continuous, at a period's seam too.
 
     Times of points are in s; with a `frequency` the table repeats, and they are in periods.
+
+    Args:
+        smooth, tolerance: harmonics near the points in the place of a spline through them; see `fourier.series`.
     """
+    if smooth or tolerance:
+        found = fourier.series(points, smooth, tolerance)
+        return harmonic(
+            times, frequency=frequency or 0.0, amplitude=0.0, phase=0.0, mean=found.mean, harmonics=found.terms
+        )
     spline = _spline(points, frequency is not None)
     scale = frequency or 1.0
     turns = scale * times
@@ -135,7 +153,7 @@ def product(one: Array, other: Array) -> Array:
 
 
 @functools.lru_cache(maxsize=16)
-def _spline(points: tuple[tuple[float, float], ...], periodic: bool) -> Any:
+def _spline(points: Points, periodic: bool) -> Any:
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 - slow to import, and few motions need it
 
     times, values = np.array(points).T

@@ -12,6 +12,7 @@ from ..motion import sampling
 from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE, SURGE_RATE
 from ..structure import beam
 from ..structure.chordwise import Profile
+from . import tables
 
 LARGE = 50e9
 """Bytes of a result file that are worth a warning."""
@@ -27,14 +28,12 @@ MASS_RATIO = 0.005, 1000.0
 """A wing's mass over that of the fluid that moves with it: of a foil in water, and of a plate in air."""
 BENT = 0.3
 """Tip deflection, in chords, at which a load on the tip of a real beam bends it a tenth less than a linear one."""
-LONGER = 2.0
-"""A table of a motion that lasts so many times as long as the run is hardly meant."""
 TIMES = 2048
 
 
 def warnings(case: Case) -> list[str]:
     """What is implausible about a case, one sentence each; an empty list when nothing is."""
-    found = [*_of_mass(case), *_of_speed(case), *_of_tables(case)]
+    found = [*_of_mass(case), *_of_speed(case), *tables.warnings(case)]
     with fluids.blamed(case.solver):
         found += fluids.load(case.solver).warnings(case)
         size = file_size(case)
@@ -109,16 +108,6 @@ def _of_speed(case: Case) -> Iterator[str]:
             f"the Reynolds number is about {reynolds:.2g} if the fluid is {fluid}; wings and fins have "
             f"{REYNOLDS[0]:g} to {REYNOLDS[1]:g}: check wing.chord, motion.frequency and the amplitudes"
         )
-
-
-def _of_tables(case: Case) -> Iterator[str]:
-    for name, travel in (("plunge", case.motion.plunge), ("pitch", case.motion.pitch), ("surge", case.motion.surge)):
-        points = travel.in_si().get("points")
-        if points and not travel.repeats and points[-1][0] > LONGER * case.duration:
-            yield (
-                f"motion.{name} is a table that goes on to {points[-1][0]:g} s, but the run ends at "
-                f"{case.duration:g} s: check that its times are in seconds"
-            )
 
 
 def _last_beat(case: Case) -> NDArray[np.float64]:

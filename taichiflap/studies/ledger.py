@@ -47,6 +47,7 @@ class Ledger:
         else:
             design = Design(tuple(Axis(key, (value,)) for key, value in first.items()), grid=False)
             self.sheet = maps.create(path, case, design, QUANTITIES)
+        self.sheet.case = case  # which knows the files of its tables, as the map does not
         columns = [axis.values for axis in self.sheet.design.axes]
         self._numbers: dict[Point, int] = {point: i for i, point in enumerate(zip(*columns, strict=True))}
         self._found: dict[int, Outcome] = {}

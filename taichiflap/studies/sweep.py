@@ -115,8 +115,11 @@ def prepare(
         except MapError:
             sheet.close()
             raise
-        return sheet
-    return maps.create(path, case, planned, {name: QUANTITIES[name] for name in chosen}, series=keep is not None)
+    else:
+        kept = {name: QUANTITIES[name] for name in chosen}
+        sheet = maps.create(path, case, planned, kept, series=keep is not None)
+    sheet.case = case  # which knows the files of its tables, as the map does not
+    return sheet
 
 
 def fill(

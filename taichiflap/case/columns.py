@@ -1,0 +1,288 @@
+"""Columns of numbers from a text file, as measuring programs, spreadsheets and Fortran write them."""
+
+import codecs
+import difflib
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from .document import DocumentError, read_bytes
+
+NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?")
+COMMENT = re.compile(r"\s*(#|%|;|//|!)")
+"""What begins a line that is a comment."""
+BEHIND = re.compile(r"#.*|(?<=\d)\s+[%!].*")
+"""A comment behind the numbers of a line."""
+UNIT = re.compile(r"[(\[{]([^)\]}]*)[)\]}]\s*$|(?:_|\s/\s|\sin\s|/(?!T))(\w+|°)\s*$")
+"""The unit in a column's name: in brackets, or after an underscore, a slash or `in`. A share t/T has none."""
+ALIKE = str.maketrans(
+    dict.fromkeys("\u2212\u2012\u2013\ufe63\uff0d", "-") | dict.fromkeys("\u00a0\u2007\u2009\u202f", " ")
+)
+"""Minus signs and spaces of word processors."""
+QUOTED = re.compile(r"\"([^\"]*)\"|'([^']*)'")
+HIDDEN = {",": "\ue000", ";": "\ue001", "\t": "\ue002", " ": "\ue003"}
+"""What stands for a separator within quotes while a line is split."""
+_HIDE = str.maketrans("".join(HIDDEN), "".join(HIDDEN.values()))
+_SHOW = str.maketrans("".join(HIDDEN.values()), "".join(HIDDEN))
+MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+OTHERS = {b"PK\x03\x04": "a spreadsheet", b"\x89HDF": "an HDF5 file", b"\x89PNG": "a picture", b"%PDF": "a PDF"}
+"""Beginnings of files that people have their tables in, and that are not text."""
+COMMAS = re.compile(r"\s*,\s*")
+SPACES = re.compile(r"\s+")
+EITHER = re.compile(r"\s*,\s*|\s+")
+NOT_WITHIN_NUMBERS = re.compile(r"\s*,\s+|\s+,\s*|\s+")
+LONGEST_NAME = 80
+HEADINGS = 3
+"""Lines before the numbers: a title, names, and units."""
+UNITS = frozenset(
+    (
+        "s",
+        "sec",
+        "ms",
+        "us",
+        "µs",
+        "min",
+        "m",
+        "cm",
+        "mm",
+        "um",
+        "µm",
+        "in",
+        "ft",
+        "deg",
+        "degrees",
+        "°",
+        "rad",
+        "radians",
+        "t/t",
+        "%",
+        "1",
+        "-",
+    )
+)
+"""What a row of units holds, but for what stands in brackets."""
+
+
+class ColumnsError(ValueError):
+    """A file without the columns that are asked for: one sentence."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a sheet.
+
+    Attributes:
+        number: counted from 1.
+        name: as the file's heading has it, or empty.
+        unit: what the heading, or a row of units below it, gives as its unit, or empty.
+        values: its cells and their line numbers.
+    """
+
+    number: int
+    name: str
+    unit: str
+    cells: tuple[tuple[int, str], ...]
+
+    def __str__(self) -> str:
+        return f'column {self.number} ("{self.name}")' if self.name else f"column {self.number}"
+
+    def numbers(self) -> list[float]:
+        """Its numbers.
+
+        Raises:
+            ColumnsError: for a cell that holds something else.
+        """
+        for line, cell in self.cells:
+            if not NUMBER.fullmatch(cell):
+                raise ColumnsError(f"line {line} holds no numbers in column {self.number}: {cell[:40] or 'nothing'}")
+        return [_value(cell) for _, cell in self.cells]
+
+
+def column(columns: list[Column], which: int | str) -> Column:
+    """A column by its number, or by its name with or without the unit.
+
+    Raises:
+        ColumnsError: when there is none.
+    """
+    if isinstance(which, int):
+        if which <= len(columns):
+            return columns[which - 1]
+        line, _ = columns[0].cells[0]
+        raise ColumnsError(f"line {line} has no column {which}: it has {len(columns)}")
+    found = [one for one in columns if plain(which) in (plain(one.name), bare(one.name))]
+    if found:
+        return found[0]
+    names = [one.name for one in columns if one.name]
+    if not names:
+        raise ColumnsError(f'has no column "{which}": its columns have no names, give a number')
+    nearest = difflib.get_close_matches(which, names, 1)
+    hint = f"did you mean {nearest[0]}?" if nearest else f"there are {', '.join(names)}"
+    raise ColumnsError(f'has no column "{which}"; {hint}')
+
+
+def plain(name: str) -> str:
+    """A name without capitals and spaces."""
+    return SPACES.sub("", name).casefold()
+
+
+def bare(name: str) -> str:
+    """A name without its unit, too."""
+    return plain(UNIT.sub("", name))
+
+
+def read_columns(path: Path) -> list[Column]:
+    """The columns of a text file.
+
+    Numbers stand between tabs, semicolons, commas or spaces, perhaps in quotes, with decimal points, or with decimal
+    commas where these cannot be taken for commas between numbers. Comments begin with `#`, `%`, `;`, `//` or `!`. A
+    heading of names may come first, and a row of units below it; a comment just above the numbers is a heading if it
+    has a name for every column.
+
+    Raises:
+        ColumnsError: when it cannot be read, could be read in two ways, or its lines differ in their columns.
+    """
+    lines, above = _without_comments(_text(path).translate(ALIKE))
+    if not lines:
+        raise ColumnsError("not a text file with lines of numbers")
+    separator = _separator([text for _, text in lines])
+    rows = [(number, _cells(text, separator)) for number, text in lines]
+    first = next((place for place, cell in enumerate(rows[-1][1]) if NUMBER.fullmatch(cell)), 0)
+    headings: list[list[str]] = []
+    while len(headings) <= HEADINGS and rows and not NUMBER.fullmatch("".join(rows[0][1][first : first + 1])):
+        headings.append(rows.pop(0)[1])
+    if len(headings) > HEADINGS or not rows:
+        raise ColumnsError(f"line {lines[len(headings) - 1][0]} holds no numbers: {lines[len(headings) - 1][1][:40]}")
+    width = len(rows[0][1])
+    for number, cells in rows:
+        if len(cells) != width:
+            raise ColumnsError(f"line {number} has {len(cells)} columns, the first has {width}: {' '.join(cells)[:40]}")
+    units = headings.pop() if len(headings) > 1 and all(map(_is_unit, headings[-1])) else []
+    names = headings.pop() if headings else _cells(above, separator)
+    if len(headings) > 1:
+        raise ColumnsError(f"line 2 holds no numbers: {lines[1][1][:40]}")
+    if separator is COMMAS and len(lines) > len(rows) and width >= 2 * len(names):
+        raise ColumnsError(
+            f"has {len(names)} names over {width} columns: commas stand between numbers and within them; "
+            "put semicolons between them"
+        )
+    _check_decimals(rows, separator)
+    names = [name[:LONGEST_NAME] for name in names] if len(names) == width else [""] * width
+    units = units if len(units) == width else [""] * width
+    return [
+        Column(
+            place + 1,
+            names[place],
+            _unit(names[place]) or units[place].strip("()[]"),
+            tuple((number, cells[place]) for number, cells in rows),
+        )
+        for place in range(width)
+    ]
+
+
+def _text(path: Path) -> str:
+    try:
+        content = read_bytes(path, regular=True)
+    except FileNotFoundError:
+        raise ColumnsError("no such file beside the case") from None
+    except OSError as error:
+        raise ColumnsError(f"cannot be read: {error.strerror}") from None
+    except DocumentError as error:
+        raise ColumnsError(str(error)) from None
+    for mark, kind in OTHERS.items():
+        if content.startswith(mark):
+            raise ColumnsError(f"not a text file but {kind}; save its columns as CSV")
+    coding = next((coding for mark, coding in MARKS.items() if content.startswith(mark)), "utf-8")
+    if coding == "utf-8" and b"\0" in content[:2]:
+        coding = "utf-16-be" if content[0] == 0 else "utf-16-le"
+    try:
+        text = content.decode(coding)
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")  # a name or a degree sign by an older program
+    if any(c < " " and not c.isspace() for c in text):
+        raise ColumnsError("not a text file")
+    return text
+
+
+def _without_comments(text: str) -> tuple[list[tuple[int, str]], str]:
+    """The other lines with their numbers, and the last comment before the first of them."""
+    found: list[tuple[int, str]] = []
+    above = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if mark := COMMENT.match(line):
+            above = above if found else line[mark.end() :]
+        elif rest := BEHIND.sub("", line).strip():
+            # A first cell that is empty, above an index, is a cell.
+            found.append((number, f"\t{rest}" if line.startswith("\t") else rest))
+    return found, above.strip()
+
+
+def _separator(lines: list[str]) -> re.Pattern[str]:
+    """What stands between the numbers of a line."""
+    body = [_hidden(line) for line in (lines[2:] or lines)]
+    joined = "\n".join(body)
+    if all(";" in line for line in body):
+        return re.compile(r"\s*;\s*")
+    if all("\t" in line for line in body) and not all(re.search(r",\s*\t", line) for line in body):
+        return re.compile(r" *\t *")
+    if "," not in joined:
+        return SPACES
+    points = re.search(r"\d\.|\.\d", joined)
+    glued = re.search(r"\d,\d", joined)
+    apart = all(re.search(r"[^\s,]\s+[^\s,]", line) for line in body)
+    if points and glued and apart:
+        raise ColumnsError("has decimal points, and both commas and spaces between numbers; keep one separator")
+    if points:
+        return EITHER
+    if glued and all(re.search(r"\S\s+\S", line) for line in body):
+        return NOT_WITHIN_NUMBERS
+    return COMMAS if glued else EITHER
+
+
+def _hidden(line: str) -> str:
+    """A line whose separators within quotes are none."""
+    return QUOTED.sub(lambda found: (found[1] or found[2] or "").translate(_HIDE), line)
+
+
+def _cells(line: str, separator: re.Pattern[str]) -> list[str]:
+    line = _hidden(line)
+    if separator in (SPACES, EITHER, NOT_WITHIN_NUMBERS):
+        line = re.sub(r"\s+(?=[(\[])", HIDDEN[" "], line.strip())  # the space before a unit
+    return [cell.translate(_SHOW).strip() for cell in separator.split(line)]
+
+
+def _check_decimals(rows: list[tuple[int, list[str]]], separator: re.Pattern[str]) -> None:
+    """Refuse commas that may be decimal ones, or not."""
+    if separator is COMMAS:
+        fraction = next((cell for _, cells in rows for cell in cells if re.fullmatch(r"0\d+", cell)), None)
+        if fraction:
+            raise ColumnsError(
+                f'has "{fraction}" between commas, which looks like the decimals of a number; '
+                "put semicolons between the numbers, or use decimal points"
+            )
+    found = {
+        mark: next(((number, cell) for number, cells in rows for cell in cells if _has(mark, cell)), None)
+        for mark in ",."
+    }
+    if found[","] and found["."]:
+        number, cell = found[","]
+        raise ColumnsError(
+            f"line {number} has {cell}, line {found['.'][0]} has {found['.'][1]}: write decimals in one way"
+        )
+
+
+def _has(mark: str, cell: str) -> bool:
+    return mark in cell and NUMBER.fullmatch(cell) is not None
+
+
+def _value(cell: str) -> float:
+    return float(cell.replace(",", ".").lower().replace("d", "e"))
+
+
+def _unit(name: str) -> str:
+    found = UNIT.search(name)
+    return (found[1] or found[2] or "").strip() if found else ""
+
+
+def _is_unit(cell: str) -> bool:
+    """Whether a cell of a row of units may be one."""
+    return not cell or bool(re.fullmatch(r"[(\[].*[)\]]", cell)) or plain(cell) in UNITS

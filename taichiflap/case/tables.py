@@ -1,0 +1,222 @@
+"""Tables of motion: a smooth curve through points, or near them, and what the points have to cover."""
+
+import itertools
+import math
+import statistics
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from .schema import key
+from .travel import AnglePoints, LengthPoints, Travel
+
+FEWEST = 4
+SEAM = 0.1
+"""A last point that is this share of the usual spacing from the end of the period is the first one again."""
+ENDS = 1e-3
+"""Ends of a period that differ by this share of the range of its values are one value, written with few digits."""
+LEAST_SHARE = 0.45
+"""A periodic table that covers less of the period is not in the unit of time that it is taken for."""
+ALIKE = 0.15
+"""A span that is this near to a round one looks like it."""
+Points = tuple[tuple[float, float], ...]
+
+POINTS = "points [time, value] to pass through; times in s, or in periods if periodic, unless time says otherwise"
+SMOOTH_ERROR = "root mean square error allowed of a curve of as few harmonics as possible, in the place of smooth"
+COUNTS = {"s": "s", "ms": "ms", "periods": "fractions of the period"}
+
+
+class Table(Travel):
+    """A curve through points."""
+
+    kind: Literal["table"] = key(text="kind: a smooth curve through points", example="table")
+    periodic: bool = key(
+        False, text="whether it repeats; its times are then fractions of the period, unless time is given"
+    )
+    time: Literal["s", "ms", "periods"] | None = key(
+        None, text="unit of its times; else periods if it is periodic, and s if not", example="s"
+    )
+    smooth: int | None = key(
+        None, text="harmonics kept of a periodic table of noisy points, which it then only comes near", example=8, ge=1
+    )
+    file: str | None = key(
+        None, text="text or CSV file of points, named from the case file's folder", example="stroke.csv"
+    )
+    column: int | str | None = key(
+        None, text="number or name of the column of its values; else the one after the time", example=2
+    )
+    time_column: int | str | None = key(
+        None, text="number or name of the column of its times; else one called t or time, or the first", example="time"
+    )
+
+    @property
+    def repeats(self) -> bool:
+        return self.periodic
+
+    @property
+    def given(self) -> Points:
+        """Its points as the file has them."""
+        raise NotImplementedError
+
+    @property
+    def clock(self) -> str:
+        """What its times are counted in."""
+        return self.time or ("periods" if self.periodic else "s")
+
+    def period(self, frequency: float | None) -> float:
+        """A period (of `frequency`, Hz) in the unit of its times."""
+        return 1.0 if self.clock == "periods" else {"s": 1.0, "ms": 1e3}[self.clock] / (frequency or math.nan)
+
+    def _in_time(self, points: Points, frequency: float | None) -> Points:
+        """Points with times in s, or in periods if it is periodic, without a last one that is the first again."""
+        if self.periodic:
+            period = self.period(frequency)
+            points = points[:-1] if _closes(points, period) else points
+            return points if period == 1.0 else tuple((time / period, value) for time, value in points)
+        scale = {"s": 1.0, "ms": 1e3, "periods": frequency or math.nan}[self.clock]
+        return points if scale == 1.0 else tuple((time / scale, value) for time, value in points)
+
+    @model_validator(mode="after")
+    def _passable(self) -> "Table":
+        points = self.given
+        if len(points) < FEWEST:
+            raise ValueError(f"has {len(points)} points; give at least {FEWEST}, here or in a file")
+        for (early, _), (late, _) in itertools.pairwise(points):
+            if late <= early:
+                raise ValueError(f"times must rise, and {late:g} comes after {early:g}")
+        if self.smoothed and not self.periodic:
+            raise ValueError("smooth and smooth_error are for a table that is periodic; smooth its points first")
+        if self.smooth and self.tolerance:
+            raise ValueError("give smooth or smooth_error, not both")
+        most = (len(points) - 1) // 2
+        if self.smooth and self.smooth > most:
+            raise ValueError(f"smooth = {self.smooth}: {len(points)} points tell of at most {most} harmonics")
+        return self
+
+    @property
+    def tolerance(self) -> float | None:
+        """Root mean square of the distance, m or rad, that a smoothed curve may have from its points."""
+        raise NotImplementedError
+
+    def _arguments(self, points: Points) -> dict[str, Any]:
+        return {"points": points} | ({"smooth": self.smooth, "tolerance": self.tolerance} if self.smoothed else {})
+
+    @property
+    def smoothed(self) -> bool:
+        """Whether its curve comes near its points only."""
+        return bool(self.smooth or self.tolerance)
+
+    def problem(self, frequency: float | None, duration: float) -> str:
+        """Why its points cannot be followed for `duration` (s), in words; empty when they can.
+
+        Args:
+            frequency: Hz.
+        """
+        if self.clock != "s" and frequency is None:
+            return f'time = "{self.clock}" needs motion.frequency' if self.clock == "periods" else ""
+        return self._problem_of_period(frequency) if self.periodic else self._problem_of_run(frequency, duration)
+
+    def _problem_of_period(self, frequency: float | None) -> str:
+        points, period = self.given, self.period(frequency)
+        first, last = points[0][0], points[-1][0]
+        span, spacing = last - first, _spacing(points)
+        if span - period > SEAM * spacing or span + spacing < LEAST_SHARE * period:
+            return (
+                f"its times are {COUNTS[self.clock]}, and they go from {first:g} to {last:g}: "
+                f"{span / period:.3g} periods in the place of about one{self._looks_like(span, spacing, frequency)}"
+            )
+        (_, begin), (_, end) = points[0], points[-1]
+        if _closes(points, period) and not self.smoothed:
+            values = [value for _, value in points]
+            slope = max(abs((v - u) / (t - s)) for (s, u), (t, v) in itertools.pairwise(points))
+            if abs(end - begin) > ENDS * (max(values) - min(values)) + 2.0 * slope * abs(span - period):
+                return (
+                    f"is periodic and begins with {begin:g}, but ends with {end:g}; "
+                    "make them equal, or smooth the points: smooth = 8"
+                )
+        return ""
+
+    def _looks_like(self, span: float, spacing: float, frequency: float | None) -> str:
+        """The cure for times that cover something else than a period."""
+        points = self.given
+        for unit in ("s", "ms", "periods"):
+            there = self.model_copy(update={"time": unit}).period(frequency)
+            if unit != self.clock and _near(span, spacing, there):
+                return f'; they look like {COUNTS[unit] if unit == "periods" else unit}: give time = "{unit}"'
+        if all(late - early == 1.0 for (early, _), (late, _) in itertools.pairwise(points)):
+            return "; they look like numbers of rows: give time_column, the number or name of the column of the time"
+        for name, round_one in (("percent of the period", 100.0), ("degrees of phase", 360.0), ("radians", math.tau)):
+            if _near(span, spacing, round_one):
+                return f"; they look like {name}: divide them by {round_one:.6g}"
+        beats = span / self.period(frequency)
+        if beats > 1.5 and abs(beats - round(beats)) < ALIKE:
+            return f"; they look like {round(beats)} beats: give one of them"
+        return f"; check them, their unit (time = ...) and motion.frequency = {frequency:g} Hz"
+
+    def _problem_of_run(self, frequency: float | None, duration: float) -> str:
+        points = self._in_time(self.given, frequency)
+        first, last = points[0][0], points[-1][0]
+        if first > 0.0 or last < duration * (1.0 - 1e-9):
+            return (
+                f"its points go from {first:g} to {last:g} s, the case from 0 to {duration:g} s; "
+                "give more points, or make it periodic"
+            )
+        return ""
+
+
+class TablePlunge(Table):
+    """Measured plunge: a cubic spline through points given here or in a file."""
+
+    points: LengthPoints = key((), unit="m", text=POINTS, example=[[0.0, 0.0], [0.1, 0.01]])
+    unit: Literal["m", "cm", "mm"] | None = key(
+        None, text="unit of its column; else what the column's name says, or m", example="mm"
+    )
+    smooth_error: float | None = key(None, unit="m", text=SMOOTH_ERROR, example=1e-4, gt=0, le=100)
+
+    @property
+    def given(self) -> Points:
+        return self.points
+
+    @property
+    def tolerance(self) -> float | None:
+        return self.smooth_error
+
+    def in_si(self, frequency: float | None = None) -> dict[str, Any]:
+        return self._arguments(self._in_time(self.points, frequency))
+
+
+class TablePitch(Table):
+    """Measured pitch: a cubic spline through points given here or in a file."""
+
+    points_deg: AnglePoints = key((), unit="deg", text=POINTS, example=[[0.0, 0.0], [0.1, 20.0]])
+    unit: Literal["deg", "rad"] | None = key(
+        None, text="unit of its column; else what the column's name says, or deg", example="rad"
+    )
+    smooth_error_deg: float | None = key(None, unit="deg", text=SMOOTH_ERROR, example=0.5, gt=0, le=360)
+
+    @property
+    def given(self) -> Points:
+        return self.points_deg
+
+    @property
+    def tolerance(self) -> float | None:
+        return None if self.smooth_error_deg is None else math.radians(self.smooth_error_deg)
+
+    def in_si(self, frequency: float | None = None) -> dict[str, Any]:
+        points = self._in_time(self.points_deg, frequency)
+        return self._arguments(tuple((time, math.radians(value)) for time, value in points))
+
+
+def _closes(points: Points, period: float) -> bool:
+    """Whether the last point is the first again, a period later."""
+    return points[-1][0] - points[0][0] > period - SEAM * _spacing(points)
+
+
+def _spacing(points: Points) -> float:
+    """The usual time between points."""
+    return statistics.median(late - early for (early, _), (late, _) in itertools.pairwise(points))
+
+
+def _near(span: float, spacing: float, period: float) -> bool:
+    """Whether points over a span, with or without the last, are about those of a period."""
+    return span < (1.0 + ALIKE) * period and span + spacing > (1.0 - ALIKE) * period

@@ -1,0 +1,56 @@
+"""What every kind of plunge, pitch and surge has in common, and the lists of numbers that they hold."""
+
+import math
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from .schema import Section, as_tuple
+
+MOST_HARMONICS = 100
+
+
+def _terms(value: Any) -> Any:
+    if isinstance(value, list) and len(value) > MOST_HARMONICS:
+        raise ValueError(f"has {len(value):,} terms; at most {MOST_HARMONICS}, or a table of points")
+    return _rows(value)
+
+
+def _rows(value: Any) -> Any:
+    return tuple(as_tuple(row) for row in value) if isinstance(value, list) else value
+
+
+_Order = Annotated[int, Field(ge=1, le=100, title="n")]
+_Phase = Annotated[float, Field(ge=-360, le=360, title="phase_deg")]
+_Length = Annotated[float, Field(ge=-100, le=100, title="m")]
+_Angle = Annotated[float, Field(ge=-360, le=360, title="deg")]
+_Moment = Annotated[float, Field(ge=-1e6, le=1e6, title="time")]
+LengthHarmonics = Annotated[tuple[tuple[_Order, _Length, _Phase], ...], BeforeValidator(_terms)]
+AngleHarmonics = Annotated[tuple[tuple[_Order, _Angle, _Phase], ...], BeforeValidator(_terms)]
+LengthPoints = Annotated[tuple[tuple[_Moment, _Length], ...], BeforeValidator(_rows)]
+AnglePoints = Annotated[tuple[tuple[_Moment, _Angle], ...], BeforeValidator(_rows)]
+
+HARMONICS = "more terms, each [n, amplitude, phase_deg] of sin(2 pi n frequency t + phase)"
+
+
+class Travel(Section):
+    """How plunge, pitch or surge goes with time."""
+
+    kind: str
+
+    @property
+    def repeats(self) -> bool:
+        """Whether it has a period, so that it needs a frequency."""
+        return True
+
+    def in_si(self, frequency: float | None = None) -> dict[str, Any]:
+        """The keys in metres and radians, without their `_deg`: the arguments of this kind's formula.
+
+        Args:
+            frequency: Hz, of the motion.
+        """
+        return {
+            name.removesuffix("_deg"): math.radians(value) if value and name.endswith("_deg") else value
+            for name, value in self
+            if value is None or isinstance(value, float)
+        }
