@@ -177,6 +177,9 @@ class UvlmOracle(Oracle):
         self.dropped = 0.0
         self.sums = [np.zeros(u.panels), np.zeros(u.panels)]
         self.total = 0.0
+        self.sheds, self.shedding = u.leading_edge == "sheds", False
+        self.sheet, self.fresh = np.zeros(0, dtype=int), 0
+        self.released, self.edge_wash = [0.0, 0.0], np.zeros(2)
         self.stream = np.array(self.case.fluid.velocity)
 
     def sample(self, shape, y):
@@ -213,14 +216,17 @@ class UvlmOracle(Oracle):
             everything = np.vstack((self.wake, np.column_stack((self.bound, 0 * self.bound[:, 0]))))
             now = velocity(self.wake[:, :2], everything, self.wake[:, 3]) + self.stream
             step = self.dt * now
-            if u.convection == "second_order" and n > 1:
-                step[:-1] += self.dt / 2 * (now[:-1] - self.wake_velocity[-len(now) :][: len(now) - 1])
+            old = len(now) - self.fresh
+            if u.convection == "second_order":
+                step[:old] += self.dt / 2 * (now[:old] - self.wake_velocity)
             self.wake_velocity = now
             self.wake = self.wake.copy()
             self.wake[:, :2] += step
+            self.wake[:, 3] += 4.0 * (self.case.fluid.viscosity or 0.0) * self.dt
             if u.core_growth:
-                grown = np.sqrt(self.wake[:, 3]) + u.core_growth * np.hypot(*step.T)
-                self.wake[:, 3] = np.minimum(grown, u.core * chord) ** 2
+                core = np.sqrt(self.wake[:, 3])
+                grown = np.minimum(core + u.core_growth * np.hypot(*step.T), u.core * chord)
+                self.wake[:, 3] = np.maximum(core, grown) ** 2
         self.w = q_star @ self.phi
         self.q_star, self.v_star = q_star, v_star
         nodes = self.point(self.nodes, self.w)
@@ -235,14 +241,14 @@ class UvlmOracle(Oracle):
         if u.shedding == "fixed":
             new = nodes[-1] + u.shedding_distance * chord * self.tangent[-1]
         else:
-            flow = self.wake_velocity[-1] if n else self.stream
+            flow = self.wake_velocity[self.sheet == 0][-1] if n else self.stream
             step = (0.30 if self.cosine else 0.25) * self.dt * (flow - edge_velocity)
             along = max(step @ self.tangent[-1], 2e-4 * chord)
             new = nodes[-1] + along * self.tangent[-1] + (step @ self.normal[-1]) * self.normal[-1]
         keep = np.inf if u.wake == "all" else u.wake
         if len(self.wake) >= keep:
             self.dropped += self.wake[0, 2]
-            self.wake, self.wake_velocity = self.wake[1:], self.wake_velocity[1:]
+            self.wake, self.wake_velocity, self.sheet = self.wake[1:], self.wake_velocity[1:], self.sheet[1:]
         self.new = (*new, 0.0 if u.core_growth else (u.core * chord) ** 2)
         self.wash = velocity(self.controls, self.wake) + self.stream
         sources = [(*p, 1.0) for p in self.vortices]
@@ -252,6 +258,9 @@ class UvlmOracle(Oracle):
             self.matrix[:-1, j] = np.sum(velocity(self.controls, [source]) * self.normal, axis=1)
         self.of_new = velocity(self.controls, [self.vortex_of(1.0)])
         self.matrix[:-1, -1] = np.sum(self.of_new * self.normal, axis=1)
+        if self.sheds:
+            self.place_leading(v_known)
+            self.decide(v_star)
         gamma = self.circulation(v_star)
         self.find_slip(gamma)
         self.find_suction(gamma)
@@ -260,32 +269,81 @@ class UvlmOracle(Oracle):
         y, z, core2 = self.new
         return (y, z, circulation, core2)
 
+    def place_leading(self, v_known):
+        """A vortex ahead of the leading edge, as one more column; without a row of its own it has no strength."""
+        chord = self.case.wing.chord
+        slope = self.q_star @ self.modes.slope(self.nodes[:1])
+        (tangent,), (normal,) = self.tangents(slope)
+        flow = self.wake_velocity[self.sheet == 1][-1] if self.shedding else self.stream + self.edge_wash
+        edge = self.point_velocity(self.nodes[0], self.w[0], v_known @ self.phi[:, 0])
+        step = 0.30 * self.dt * (flow - edge)
+        along = min(step @ tangent, -2e-4 * chord)
+        place = self.edges[0] + along * tangent + (step @ normal) * normal
+        self.new_leading = (*place, 1.0, self.new[2])
+        self.edge_wash = velocity(self.edges[:1], self.wake)[0]
+        self.edge_normal, self.scale = normal, np.hypot(1.0, slope[0]) ** 0.5 / (2 * self.case.uvlm.panels)
+        column = np.sum(velocity(self.controls, [self.new_leading]) * self.normal, axis=1)
+        sources = [*((*p, 1.0) for p in self.vortices), self.vortex_of(1.0), self.new_leading]
+        self.through = [self.scale * velocity(self.edges[:1], [source])[0] @ normal for source in sources]
+        size = len(self.matrix)
+        self.matrix = np.block([[self.matrix, np.append(column, 1.0)[:, None]], [np.zeros(size), np.ones((1, 1))]])
+
+    def edge_free(self, v):
+        """Suction velocity at the leading edge of all but the lattice's own and the new vortices."""
+        edge = self.point_velocity(self.nodes[0], self.w[0], v @ self.phi[:, 0])
+        return self.scale * (self.edge_wash + self.stream - edge) @ self.edge_normal
+
+    def decide(self, v_star):
+        """If the expected suction passes its limit, a last row that holds it there."""
+        self.shedding = False
+        expected = self.edge_free(v_star) + self.circulation(v_star) @ self.through
+        limit = self.case.uvlm.suction_limit * self.case.reference_speed
+        if abs(expected) > limit or not limit:
+            self.shedding, self.target = True, np.copysign(limit, expected)
+            self.matrix[-1] = self.through
+
+    def strengths(self, gamma):
+        """Circulation of the bound vortices, and of the new one of either edge."""
+        count = len(self.vortices)
+        return gamma[:count], gamma[count], (gamma[count + 1] if self.sheds else 0.0)
+
+    def shed(self, gamma):
+        """The step's new vortices, each with its circulation and core."""
+        _, trailing, leading = self.strengths(gamma)
+        shed = [self.vortex_of(trailing)]
+        if self.shedding:
+            y, z, _, core2 = self.new_leading
+            shed.append((y, z, leading, core2))
+        return np.array(shed)
+
     def find_slip(self, gamma):
         """Tangential velocity of the fluid past the wing: at the points, or at the vortices with all the others."""
         if self.whole:
-            slip = self.wash + gamma[-1] * self.of_new - self.control_velocity(self.v_star)
+            slip = self.wash + self.strengths(gamma)[1] * self.of_new - self.control_velocity(self.v_star)
             self.slip = np.sum(slip * self.tangent, axis=1)
             return
         w, rate = self.q_star @ self.phi_vortex, self.v_star @ self.phi_vortex
-        bound = np.column_stack((self.vortices, gamma[:-1], 0 * gamma[:-1]))
-        flow = velocity(self.vortices, np.vstack((self.wake, self.vortex_of(gamma[-1]), bound))) + self.stream
+        circulation = self.strengths(gamma)[0]
+        bound = np.column_stack((self.vortices, circulation, 0 * circulation))
+        flow = velocity(self.vortices, np.vstack((self.wake, self.shed(gamma), bound))) + self.stream
         tangent, _ = self.tangents(self.q_star @ self.slope_vortex)
         flow = flow - self.point_velocity(self.places[0], w, rate)
         slopes = [np.arctan(self.q_star @ slope) for slope in (self.slope_vortex, self.slope_point)]
         arc = (self.places[1] - self.places[0]) / np.cos(slopes[0])
         curvature = np.sin(slopes[1] - slopes[0]) / arc
-        self.slip = np.sum(flow * tangent, axis=1) + gamma[:-1] * curvature / (4 * np.pi)
+        self.slip = np.sum(flow * tangent, axis=1) + circulation * curvature / (4 * np.pi)
 
     def find_suction(self, gamma):
         """Force at the leading edge, shape (2,), from the flow through the lattice there."""
         self.suction = np.zeros(2)
         u, chord = self.case.uvlm, self.case.wing.chord
-        if not u.suction:
+        if not (u.suction or self.sheds):
             return
         slope = self.modes.slope(self.nodes[:1]) if self.cosine else self.slope_vortex[:, :1]
         tangent, normal = self.tangents(self.q_star @ slope)
-        bound = np.column_stack((self.vortices, gamma[:-1], 0 * gamma[:-1]))
-        flow = velocity(self.edges[:1], np.vstack((self.wake, self.vortex_of(gamma[-1]), bound)))[0] + self.stream
+        circulation = self.strengths(gamma)[0]
+        bound = np.column_stack((self.vortices, circulation, 0 * circulation))
+        flow = velocity(self.edges[:1], np.vstack((self.wake, self.shed(gamma), bound)))[0] + self.stream
         rate = self.v_star @ self.phi[:, 0]
         through = (flow - self.point_velocity(self.nodes[0], self.w[0], rate)) @ normal[0]
         n = np.arange(u.panels)
@@ -298,9 +356,11 @@ class UvlmOracle(Oracle):
         return self.point_velocity(self.places[1], self.q_star @ self.phi_point, v @ self.phi_point)
 
     def circulation(self, v):
-        """Bound circulations and, last, the new vortex's."""
-        rhs = np.sum((self.control_velocity(v) - self.wash) * self.normal, axis=1)
-        return np.linalg.solve(self.matrix, np.append(rhs, self.total))
+        """Bound circulations and, last, the new vortex's, or those of both edges."""
+        rhs = np.append(np.sum((self.control_velocity(v) - self.wash) * self.normal, axis=1), self.total)
+        if self.sheds:
+            rhs = np.append(rhs, self.target - self.edge_free(v) if self.shedding else 0.0)
+        return np.linalg.solve(self.matrix, rhs)
 
     def pieces(self, v):
         """Forces on the wing, their places and the modes there: (n, 2), (n, 2), (modes, n).
@@ -309,8 +369,9 @@ class UvlmOracle(Oracle):
         of the potential, spread over Gauss points of each piece.
         """
         density = (self.case.fluid.density * self.span)[:, None]
-        gamma = self.circulation(v)[:-1]
-        running = np.cumsum(gamma)
+        gamma, _, leading = self.strengths(self.circulation(v))
+        jump = self.released[0] + leading
+        running = jump + np.cumsum(gamma)
         change = self.rule[0] * running + self.rule[1] * self.sums[0] + self.rule[2] * self.sums[1]
         turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
         if self.whole:
@@ -319,7 +380,8 @@ class UvlmOracle(Oracle):
             return force, places, 0.5 * (self.phi[:, 1:] + self.phi[:, :-1])
         _, normal = self.tangents(self.q_star @ self.slope_vortex)
         forces, places, modes = [-density * (self.slip * gamma)[:, None] * normal], [self.vortices], [self.phi_vortex]
-        ahead = np.append(0.0, change[:-1])
+        change_0 = self.rule[0] * jump + self.rule[1] * self.released[0] + self.rule[2] * self.released[1]
+        ahead = np.append(change_0, change[:-1])
         th = self.kinematics[3]
         along = np.array([[np.cos(th), np.sin(th)], [-np.sin(th), np.cos(th)]])
         for behind, length, y, phi, slope in self.gauss_points:
@@ -350,15 +412,22 @@ class UvlmOracle(Oracle):
         zp, th = self.kinematics[0], self.kinematics[3]
         force, places, _ = self.pieces(self.v)
         force, places = np.vstack((force, self.suction)), np.vstack((places, self.edges[0]))
-        gamma = self.circulation(self.v)
-        self.bound = np.column_stack((self.vortices, gamma[:-1]))
-        self.wake = np.vstack((self.wake, self.vortex_of(gamma[-1])))
-        self.sums = [np.cumsum(gamma[:-1]), self.sums[0]]
-        self.total = gamma[:-1].sum()
+        solved = self.circulation(self.v)
+        gamma, _, leading = self.strengths(solved)
+        self.bound = np.column_stack((self.vortices, gamma))
+        self.wake = np.vstack((self.wake, self.shed(solved)))
+        self.fresh = 1 + self.shedding
+        self.sheet = np.append(self.sheet, [0, 1][: self.fresh])
+        self.released = [self.released[0] + leading, self.released[0]]
+        self.sums = [self.released[0] + np.cumsum(gamma), self.sums[0]]
+        self.total = gamma.sum()
         normal = force @ np.array([-np.sin(th), np.cos(th)])
         axial = force @ np.array([np.cos(th), np.sin(th)])
         arm = places - [0.0, zp]
         moment = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
         totals = np.array([normal.sum(), axial.sum(), moment.sum()])
         wake = self.wake[:, :3].copy()
-        self.history.append({"q": self.q, "a": self.a, "force": totals, "gamma": gamma[:-1], "wake": wake})
+        step = {"q": self.q, "a": self.a, "force": totals, "gamma": gamma, "wake": wake}
+        if self.sheds:
+            step |= {"released": self.released[:1], "suction": [self.edge_free(self.v) + solved @ self.through]}
+        self.history.append(step)

@@ -167,7 +167,7 @@ def test_convection_matches_the_oracle(rng, core, convection, precision, digits)
     vortices, bound = rng.normal(size=(4, 21)), rng.normal(size=(4, 8))
     vortices[3], bound[3] = core**2, 0.0
     numpy_view(wakes.vortex)[0, :4, :21] = vortices
-    numpy_view(wakes.ring)[0] = (21, 21, 4, 3, 0, 0)
+    numpy_view(wakes.ring)[0] = (21, 21, 4, 3, 0, 0, 0)
     earlier = rng.normal(size=(2, 21))
     numpy_view(wakes.velocity)[0, wake.BEFORE :, :21] = earlier
     numpy_view(wakes.birth)[0, :21] = [6, *range(-14, 6)]
@@ -214,7 +214,7 @@ def test_a_core_grows_with_the_way_moved():
 @ti.kernel
 def shed_once(wakes: wake.Wake, n: ti.i32, y: ti.f64, z: ti.f64):
     for i in range(1):
-        wake.shed(wakes, 0, n, y, z)
+        wake.shed(wakes, 0, n, wake.TRAILING, y, z)
 
 
 def test_a_full_ring_gives_up_its_oldest():
@@ -253,7 +253,7 @@ def absorbing(rng, count, *settings):
     vortices[:3] = rng.normal(size=(3, count))
     numpy_view(wakes.vortex)[0, :, :count] = vortices
     numpy_view(wakes.birth)[0, :count] = np.roll(np.arange(count), 4)
-    numpy_view(wakes.ring)[0] = (count, count, 4, 3, 0, 0)
+    numpy_view(wakes.ring)[0] = (count, count, 4, 3, 0, 0, 0)
     return wakes, vortices
 
 

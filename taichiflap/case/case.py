@@ -81,6 +81,13 @@ class Case(Section):
                 raise ValueError(f"motion.{name}: {problem}")
         return self
 
+    @model_validator(mode="after")
+    def _has_a_speed(self) -> "Case":
+        needs = self.uvlm.suction_limit if self.uvlm.leading_edge == "sheds" else self.uvlm.merge_error
+        if self.solver == "uvlm" and needs and not self.reference_speed:
+            raise needed("uvlm.reference_speed", "the leading edge itself does not move through the fluid")
+        return self
+
     @property
     def model(self) -> str:
         """What the fluid model is called in headings."""
@@ -129,6 +136,18 @@ class Case(Section):
         """The step of a frame of fields, or of an array of them, counted from 0."""
         return np.minimum(np.asarray(frame) * self.output.every, self.steps)
 
+    @property
+    def reference_speed(self) -> float:
+        """What `uvlm.suction_limit` is a share of, m/s.
+
+        As given, or the root mean square of the rigid leading edge's speed relative to the stream.
+        """
+        return self.uvlm.reference_speed or self._leading_edge_speed
+
+    @cached_property
+    def _leading_edge_speed(self) -> float:
+        return self._edge_speed(-self.wing.pivot)
+
     @cached_property
     def _march(self) -> tuple[int, float]:
         """Number of time steps and step, s."""
@@ -145,15 +164,19 @@ class Case(Section):
         step = cast(float, time.step)
         return max(1, math.floor(duration / step * (1.0 + 1e-12))), step
 
-    def _matched_step(self) -> float:
-        """The time (s) in which the trailing edge travels as far through the fluid as the fluid model says."""
-        from .. import fluids  # noqa: PLC0415 - only an automatic step needs them
-        from ..motion import sampling as motion  # noqa: PLC0415
+    def _edge_speed(self, behind: float) -> float:
+        """Root mean square speed (m/s) relative to the stream, over a beat, so many chords behind the pivot."""
+        from ..motion import sampling as motion  # noqa: PLC0415 - few cases need it
 
         over = 1.0 / self.motion.frequency if self.motion.frequency else cast(float, self.time.duration)
         times = self.motion.growth * self.periodic + over * np.arange(MOMENTS) / MOMENTS
-        behind = (1.0 - self.wing.pivot) * self.wing.chord
-        speed = motion.typical_speed(self.motion, behind, self.fluid.velocity, times)
+        return motion.typical_speed(self.motion, behind * self.wing.chord, self.fluid.velocity, times)
+
+    def _matched_step(self) -> float:
+        """The time (s) in which the trailing edge travels as far through the fluid as the fluid model says."""
+        from .. import fluids  # noqa: PLC0415 - only an automatic step needs them
+
+        speed = self._edge_speed(1.0 - self.wing.pivot)
         if not speed:
             raise ValueError('time: nothing moves, so "auto" finds no step; give a number')
         return fluids.load(self.solver).stride(self) / speed
@@ -207,10 +230,14 @@ class Case(Section):
         """The case by section: as plain values where a key begins with its name, else as it is, checked already."""
         keys = {key.partition("=")[0].strip() for key in keys}
         names = {key.partition(".")[0] for key in keys}
-        opened = self.model_dump(mode="json", exclude_none=True, include=names)
+        opened = self.model_dump(mode="json", exclude_none=True, exclude_unset=True, include=names)
         if "motion" in opened:
             opened["motion"] = reopened(opened["motion"], keys, self.origin)
-        return {name: opened.get(name, value) for name, value in self if value is not None}
+        return {
+            name: opened.get(name, {} if name in names and isinstance(value, Section) else value)
+            for name, value in self
+            if value is not None
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """The case as plain dictionaries, lists and numbers."""

@@ -16,4 +16,7 @@ class Fluid(Section):
     """The fluid around the wing."""
 
     density: float = key(1.225, unit="kg/m3", text="density of the fluid", ge=0, le=1e5)
+    viscosity: float | None = key(
+        None, unit="m2/s", text="kinematic viscosity of the fluid", example=1.5e-5, gt=0, le=1e3
+    )
     velocity: Velocity = key((0.0, 0.0), unit="m/s", text="free stream along Y and Z (-Y is up)")

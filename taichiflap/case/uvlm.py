@@ -1,8 +1,9 @@
 """`[uvlm]`: settings of the vortex lattice and its wake."""
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, ModelWrapValidatorHandler, Tag, model_validator
 
 from .schema import Section, key
 
@@ -17,6 +18,12 @@ WakeLength = Annotated[
 ]
 
 
+SHEDDING = {"panels": 40, "wake": 1000, "merge_error": 1e-4, "crossing": "pass", "core": 0.05, "core_growth": 0.3}
+"""Defaults of `leading_edge = "sheds"` where they differ."""
+LEAST_WAKE = 10
+"""Vortices that a wake of two sheets has room for, at least."""
+
+
 class Uvlm(Section):
     """Unsteady vortex lattice on the deformed camber line, with a free wake."""
 
@@ -27,13 +34,36 @@ class Uvlm(Section):
     loads: Literal["vortices", "panels"] = key(
         "vortices", text="pressure steps at the bound vortices, or counts whole panels as the paper's Eqs 33-34 do"
     )
-    suction: bool = key(False, text="include the suction at the leading edge: an edge that does not separate")
+    leading_edge: Literal["attached", "sheds"] = key(
+        "attached",
+        text="the flow stays attached at the leading edge, or leaves it as a second sheet of vortices wherever the "
+        "suction there would pass its limit",
+    )
+    suction: bool = key(
+        False, text='include the suction at an attached leading edge; one that sheds always has what its limit leaves'
+    )
+    suction_limit: float = key(
+        0.1, text="largest suction velocity at an edge that sheds, as a share of reference_speed; 0: it always sheds",
+        ge=0, le=1e9,
+    )  # fmt: skip
+    reference_speed: float | None = key(
+        None, unit="m/s", gt=0, le=1e6, example=1.0,
+        text="for suction_limit and merge_error; if left out, the root mean square of the rigid leading edge's speed "
+        "relative to the stream",
+    )  # fmt: skip
     wake: WakeLength = key("all", text='wake vortices kept, or "all"')
     old_wake: Literal["absorb", "drop"] = key(
         "absorb", text="a full wake merges vortices, keeping circulation and impulse, or drops the oldest"
     )
     absorb_beyond: float = key(
         3.0, unit="chords", text="vortices nearer to the wing's middle than this are absorbed last", ge=0, le=1e6
+    )
+    merge_error: float = key(
+        0.0,
+        text="change of the velocity at the wing, as a share of reference_speed, that merging two neighbours of a "
+        "sheet may cost; 0: none are merged",
+        ge=0,
+        le=0.1,
     )
     crossing: Literal["reflect", "pass"] = key(
         "reflect", text="a wake vortex that would cross the wing is kept on its side, or passes; counted either way"
@@ -66,6 +96,32 @@ class Uvlm(Section):
         ge=0,
         le=0.1,
     )
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _of_an_edge_that_sheds(cls, given: Any, check: ModelWrapValidatorHandler[Self]) -> Self:
+        """Fill in what is not given with the defaults of an edge that sheds; they do not count as given."""
+        if not isinstance(given, Mapping) or given.get("leading_edge") != "sheds":
+            return check(given)
+        made = check(SHEDDING | dict(given))
+        made.model_fields_set.intersection_update(given)
+        return made
+
+    @model_validator(mode="after")
+    def _can_shed(self) -> Self:
+        if self.leading_edge != "sheds":
+            return self
+        if self.spacing == "uniform":
+            raise ValueError('a leading edge that sheds needs panels finer towards it; give spacing = "cosine"')
+        if self.loads == "panels":
+            raise ValueError('a leading edge that sheds needs the pressure at the vortices; give loads = "vortices"')
+        if self.suction:
+            raise ValueError(
+                "suction is for an attached leading edge; one that sheds has the suction that suction_limit leaves"
+            )
+        if isinstance(self.wake, int) and self.wake < LEAST_WAKE:
+            raise ValueError(f"wake = {self.wake}: two edges shed into it; give at least {LEAST_WAKE}")
+        return self
 
     @model_validator(mode="after")
     def _one_saving(self) -> "Uvlm":

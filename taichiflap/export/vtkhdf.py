@@ -5,7 +5,8 @@ Imports h5py itself: `taichiflap.results` alone knows our files, this module alo
 Each frame is one piece: the wake as vertices, then the wing as one line a panel. The page of
 `taichiflap.drawing.scene` is the plane z = 0, so x is Z, y is -Y and up is up.
 
-- Point data: `circulation` (m2/s) and `age` (s) of the wake vortices, zero on the wing.
+- Point data: `circulation` (m2/s), `age` (s) and `edge` (1: shed by the leading edge, 0: by the trailing edge) of the
+  wake vortices, zero on the wing.
 - Cell data: `pressure_jump` (Pa) of the panels, zero on the wake; `wing`, 1 on the panels and 0 on the wake.
 """
 
@@ -78,6 +79,7 @@ def _piece(result: Result, index: int) -> dict[str, NDArray[Any]]:
         piece[f"{name}/Offsets"] = offsets
     on_wing, on_wake = np.zeros(panels + 1, "f4"), np.zeros(vortices, "f4")
     piece["PointData/circulation"] = np.concatenate((wake["circulation"], on_wing)).astype("f4")
+    piece["PointData/edge"] = np.concatenate((wake["edge"], on_wing)).astype("f4")
     piece["PointData/age"] = np.concatenate(((step - wake["birth"]) * result.case.step, on_wing)).astype("f4")
     piece["CellData/pressure_jump"] = np.concatenate((on_wake, result.frame("pressure_jump", index)))
     piece["CellData/wing"] = np.repeat(np.array([0, 1], "u1"), (vortices, panels))

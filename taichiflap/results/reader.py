@@ -16,7 +16,17 @@ from ..case.case import Case, CaseError, held_case
 from ..errors import UserError, extra
 from . import integrity
 from .integrity import DAMAGE, DamageError
-from .variables import AXES, AXES_OF, COMPONENTS, FIELD_TIME, MODE_VARIABLES, VARIABLES, WAKE_VARIABLES, Variable
+from .variables import (
+    AXES,
+    AXES_OF,
+    COMPONENTS,
+    FIELD_TIME,
+    MODE_VARIABLES,
+    VARIABLES,
+    WAKE_EDGE,
+    WAKE_VARIABLES,
+    Variable,
+)
 
 FORMAT = 2
 """Version of the layout; a reader refuses files of a newer one. The first stored series in the frames alone."""
@@ -167,13 +177,15 @@ class Result:
         return "wake" in self.file
 
     def wake(self, index: int) -> dict[str, np.ndarray]:
-        """Wake vortices of one frame, oldest first: `y`, `z` (m), `circulation` (m2/s) and `birth` (step).
+        """Wake vortices of one frame, oldest first.
 
-        A model without a wake has none: all arrays are empty.
+        They are `y`, `z` (m), `circulation` (m2/s), `birth` (step) and `edge` (0: shed by the trailing edge, 1: by the
+        leading edge). A model without a wake has none: all arrays are empty.
         """
         if not self.has_wake:
             return {name: np.empty(0) for name in WAKE_VARIABLES}
-        return self.ragged("wake", WAKE_VARIABLES, index)
+        found = self.ragged("wake", _wake_names(self.file["wake"]), index)
+        return {WAKE_EDGE: np.zeros(len(found["y"]), dtype=np.int32)} | found
 
     def ragged(self, group: str, names: Iterable[str], index: int) -> dict[str, np.ndarray]:
         """One frame of some variables of a group whose frames differ in length."""
@@ -366,10 +378,15 @@ def _ragged_groups(file: Any) -> list[str]:
     return [name for name in held if isinstance(file[name], h5py.Group)]
 
 
+def _wake_names(group: Any) -> list[str]:
+    """The variables of a file's wake."""
+    return [name for name in WAKE_VARIABLES if name != WAKE_EDGE or name in group]
+
+
 def _check_ragged(group: Any, name: str, frames: int) -> None:
     """The arrays of a ragged group have one length, and each frame's count."""
     integrity.array(group, "count", (frames,), "i")
-    names = WAKE_VARIABLES if name == "wake" else [one for one in group if one != "count"]
+    names = _wake_names(group) if name == "wake" else [one for one in group if one != "count"]
     lengths = {integrity.array(group, one, (None,), "if", whole=one in WAKE_VARIABLES) for one in names}
     if len(lengths) > 1:
         raise DamageError(f"the {name} has arrays of several lengths")

@@ -73,6 +73,17 @@ VARIABLES = {
     "power_aerodynamic": Variable(("time",), "W", "actuator's power against the fluid", "P_a"),
     "power_inertial": Variable(("time",), "W", "actuator's power for the wing's own mass", "P_i"),
     "circulation": Variable(("time",), "m2 s-1", "total bound circulation", "Gamma", _SPIN),
+    "suction_velocity": Variable(
+        ("time",), "m s-1", "suction velocity at the leading edge", "A",
+        "U sin(alpha) on a steady flat plate; the suction is pi rho c A^2 a unit span; A > 0: from below to above",
+    ),
+    "leading_edge_circulation": Variable(
+        ("time",), "m2 s-1", "circulation shed by the leading edge so far", "Gamma_LE", _SPIN
+    ),
+    "trailing_edge_circulation": Variable(
+        ("time",), "m2 s-1", "circulation shed by the trailing edge so far", "Gamma_TE", _SPIN
+    ),
+    "leading_edge_sheds": Variable(("time",), "1", "1 while the leading edge sheds, else 0"),
     "wake_crossings": Variable(
         ("time",), "1", "times that a wake vortex came upon the wing, so far", "",
         "kept on its side or not: uvlm.crossing",
@@ -102,7 +113,10 @@ WAKE_VARIABLES = {
     "z": Variable(("vortex",), "m", "position of the wake vortices along Z", "Z", _INERTIAL, "f4"),
     "circulation": Variable(("vortex",), "m2 s-1", "circulation of the wake vortices", "Gamma", _SPIN, "f4"),
     "birth": Variable(("vortex",), "1", "time step at which the vortex was shed", dtype="i4"),
+    "edge": Variable(("vortex",), "1", "edge that shed the vortex", "", "0: trailing edge, 1: leading edge", "i4"),
 }
+WAKE_EDGE = "edge"
+"""The one of them that only a wake of two edges has."""
 
 WAKE_COUNT = Variable(("time",), "1", "number of wake vortices in the frame", dtype="i4", field=True)
 

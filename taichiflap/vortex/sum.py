@@ -40,6 +40,13 @@ def store_octet(x: View, b, axis, first, value):
         x[b, axis, first + lane] = value[lane]
 
 
+@ti.func
+def unit_velocity(dy, dz, core2):
+    """Velocity (m/s) that a vortex of unit circulation and squared core `core2` induces at (dy, dz) from it."""
+    strength = INV_2PI / (dy * dy + dz * dz + core2)
+    return -dz * strength, dy * strength
+
+
 def _sum_over(lanes: Any) -> Any:
     """The sum for as many points at a time as a vector type has lanes, in its precision."""
 

@@ -24,17 +24,26 @@ class Uvlm(Model):
     outputs = (
         *standard("circulation", "panel_circulation", "pressure_jump"),
         *WAKE,
-        *standard("wake_crossings", "wake_lost", "wake_far_error"),
+        *standard("wake/edge"),
+        *standard(
+            "wake_crossings", "wake_lost", "wake_far_error", "suction_velocity", "leading_edge_circulation",
+            "trailing_edge_circulation", "leading_edge_sheds",
+        ),  # fmt: skip
     )
 
     def nodes(self, case: Case) -> Array:
         return stations.stations(case).node
 
     def stored(self, case: Case) -> tuple[Output, ...]:
-        return tuple(one for one in self.outputs if one.name != "wake_far_error" or case.uvlm.far_error)
+        left = set() if stations.sheds(case) else {one.name for one in self.outputs if "edge" in one.name}
+        if not case.uvlm.far_error:
+            left.add("wake_far_error")
+        if not stations.has_edge(case):
+            left.add("suction_velocity")
+        return tuple(one for one in self.outputs if one.name not in left)
 
     def entries(self, case: Case, step: Any) -> Any:
-        return np.minimum(np.asarray(step) + 1, stations.ring_size(case))
+        return np.minimum(stations.shed_a_step(case) * (np.asarray(step) + 1), stations.ring_size(case))
 
     def work(self, case: Case, step: int) -> float:
         panels, vortices = case.uvlm.panels, float(self.entries(case, step))

@@ -13,10 +13,13 @@ from ...march.state import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
 from ...structure.beam import Modes
 from ...vortex.sum import CIRCULATION, Y, Z
 from ..interface import Flow
-from . import lattice, tangential, wake
-from .lattice import ACROSS, ALONG, DENSITY, FACTOR, PANELS, TOTAL, WHOLE, between, circulation_at
+from . import lattice, leading_edge, tangential, wake
+from .lattice import (
+    ACROSS, ALONG, DENSITY, FACTOR, PANELS, RELEASED, RELEASED_BEFORE, SHEDDING, SHEDS, SPEED, STRENGTH, TOTAL, WHOLE,
+    between, circulation_at,
+)  # fmt: skip
 from .long_wake import LongWakes
-from .stations import ACT, AHEAD, BEHIND, NODE, ring_size
+from .stations import ACT, AHEAD, BEHIND, NODE, absorbs, has_edge, is_listed, sheds
 from .wake import COUNT, CROSSINGS, FAR_ERROR, KEEP, OLDEST, YOUNGEST
 
 
@@ -28,15 +31,21 @@ class Uses:
     loads_at_vortices: bool
     single_precision: bool
     absorbing: bool
+    shedding: bool
+    listing: bool
+    shortening: bool
 
 
 def uses(cases: Sequence[Case]) -> Uses:
     """What a batch needs of the model."""
     return Uses(
-        suction=any(case.uvlm.suction for case in cases),
+        suction=any(has_edge(case) for case in cases),
         loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
         single_precision=any(case.uvlm.precision == "single" for case in cases),
-        absorbing=any(case.uvlm.old_wake == "absorb" and ring_size(case) <= case.steps for case in cases),
+        absorbing=any(absorbs(case) and not is_listed(case) for case in cases),
+        shedding=any(sheds(case) for case in cases),
+        listing=any(map(is_listed, cases)),
+        shortening=any(absorbs(case) and is_listed(case) for case in cases),
     )
 
 
@@ -62,6 +71,9 @@ def load_modes(body: View, flow: View, b, rule, used: View):
     for column in range(modes + 1):
         running = 0.0
         change_ahead = 0.0
+        if ti.static(used.shedding):
+            if flow.size[b, SHEDDING] == 1:
+                running, change_ahead = ahead_of_wing(flow, b, column, rule)
         for i in range(flow.size[b, PANELS]):
             scale = -flow.constant[b, DENSITY] * flow.span[b, i]
             circulation = flow.solution[b, column, i]
@@ -84,6 +96,19 @@ def load_modes(body: View, flow: View, b, rule, used: View):
             _, normal = tangential.suction_force(body, flow, b)
             for j in range(modes):
                 body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
+
+
+@ti.func
+def ahead_of_wing(flow: View, b, column, rule):
+    """Jump of potential at the leading edge, all that it has shed, and its rate; of a column of the solution."""
+    jump = 0.0
+    if flow.scalar[b, SHEDS] > 0.0:
+        jump = flow.edge[b, STRENGTH, column]
+    past = 0.0
+    if column == 0:
+        jump += flow.scalar[b, RELEASED]
+        past = rule[C1] * flow.scalar[b, RELEASED] + rule[C2] * flow.scalar[b, RELEASED_BEFORE]
+    return jump, rule[C0] * jump + past
 
 
 @ti.func
@@ -110,10 +135,20 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
     total_unsteady = 0.0
     running = 0.0
     change_ahead = 0.0
+    bound = 0.0
+    new = 0.0
+    if ti.static(used.shedding):
+        if flow.size[b, SHEDDING] == 1:
+            before, earlier = flow.scalar[b, RELEASED], flow.scalar[b, RELEASED_BEFORE]
+            leading_edge.settle(body, flow, wakes, b)
+            running = flow.scalar[b, RELEASED]
+            new = running - before
+            change_ahead = rule[C0] * running + rule[C1] * before + rule[C2] * earlier
     for i in range(flow.size[b, PANELS]):
         scale = -flow.constant[b, DENSITY] * flow.span[b, i]
         circulation = circulation_at(body, flow, body.q, b, i)
         running += circulation
+        bound += circulation
         change = rule[C0] * running + rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
         flow.sums[b, 1, i] = flow.sums[b, 0, i]
         flow.sums[b, 0, i] = running
@@ -136,8 +171,8 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         total_moment += 0.5 * scale * (change_ahead * (middle - inner) + change * (outer - middle))
         flow.pressure[b, i] = normal / (flow.span[b, i] * (y_1 - y_0))
         change_ahead = change
-    wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.scalar[b, TOTAL] - running
-    flow.scalar[b, TOTAL] = running
+    wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.scalar[b, TOTAL] - bound - new
+    flow.scalar[b, TOTAL] = bound
     if ti.static(used.suction):
         if flow.constant[b, FACTOR] > 0.0:
             axial, normal = tangential.suction_force(body, flow, b)
@@ -159,10 +194,19 @@ def prepare(batch: View, b, n, rule, used: View):
         wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, dt, used.single_precision)
     lattice.lay_panels(batch.body, batch.flow, b, n)
     lattice.guard(batch.body, batch.flow, batch.wake, b, n)
-    lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used.absorbing)
+    lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used)
     lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
     lattice.assemble(batch.body, batch.flow, b, n)
+    if ti.static(used.shedding):
+        if batch.flow.size[b, SHEDDING] == 1:
+            leading_edge.place(batch.body, batch.flow, batch.wake, b, n)
+            leading_edge.wash_edge(batch.body, batch.flow, batch.wake, b, n)
+            leading_edge.assemble(batch.body, batch.flow, b)
     lattice.solve(batch.body, batch.flow, b)
+    if ti.static(used.shedding):
+        if batch.flow.size[b, SHEDDING] == 1:
+            leading_edge.measure(batch.body, batch.flow, batch.wake, b, n)
+            leading_edge.shed(batch.body, batch.flow, batch.wake, b, n)
     if batch.flow.size[b, WHOLE] == 1:
         tangential.past_points(batch.body, batch.flow, b, n)
     if ti.static(used.suction or used.loads_at_vortices):
@@ -179,11 +223,11 @@ def prepare(batch: View, b, n, rule, used: View):
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
-    """Circulation, new vortex and forces of step `n` once its modal acceleration is known."""
+    """Circulation, new vortices and forces of step `n` once its modal acceleration is known."""
     circulate(batch.body, batch.flow, batch.wake, b, rule, used)
 
 
-BOUND, CROSSED, LOST, FAR = range(4)
+BOUND, CROSSED, LOST, FAR, SUCTION_VELOCITY, FROM_LEADING, FROM_TRAILING, EDGE_SHEDS = range(8)
 """The series, as the model declares them."""
 
 
@@ -193,6 +237,10 @@ def record_step(batch: View, b, row):
     batch.film.series[b, row, CROSSED] = ti.cast(batch.wake.ring[b, CROSSINGS], ti.f64)
     batch.film.series[b, row, LOST] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
     batch.film.series[b, row, FAR] = batch.wake.tally[b, FAR_ERROR]
+    batch.film.series[b, row, SUCTION_VELOCITY] = batch.flow.scalar[b, SPEED]
+    batch.film.series[b, row, FROM_LEADING] = batch.flow.scalar[b, RELEASED]
+    batch.film.series[b, row, FROM_TRAILING] = -batch.flow.scalar[b, TOTAL] - batch.flow.scalar[b, RELEASED]
+    batch.film.series[b, row, EDGE_SHEDS] = batch.flow.scalar[b, SHEDS]
 
 
 @ti.func
@@ -207,3 +255,4 @@ def record(batch: View, b, frame):
         batch.film.wake_z[b, frame, m] = ti.cast(batch.wake.vortex[b, Z, place], ti.f32)
         batch.film.wake_circulation[b, frame, m] = ti.cast(batch.wake.vortex[b, CIRCULATION, place], ti.f32)
         batch.film.wake_birth[b, frame, m] = batch.wake.birth[b, place]
+        batch.film.wake_edge[b, frame, m] = batch.wake.edge[b, place]

@@ -19,21 +19,29 @@ from ...march.state import AMPLITUDE, COSINE, RATE, SINE, most_modes, pivot_velo
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
-from ...vortex.sum import CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet
+from ...vortex.sum import CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet, unit_velocity
 from . import merging, wake
 from . import stations as spacing
 from .stations import NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
-from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, GAP, REFLECTS, YOUNGEST
+from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, GAP, REFLECTS, TRAILING, YOUNGEST
 
 ALONG, ACROSS = 2, 3
 """Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
-PANELS, WHOLE = range(2)
-"""Columns of `size`: number of panels, and 1 where the pressure counts whole panels (`loads = "panels"`)."""
-DENSITY, FACTOR = range(2)
+PANELS, WHOLE, SHEDDING = range(3)
+"""Columns of `size`: number of panels; 1 where the pressure counts whole panels (`loads = "panels"`); 1 where the
+leading edge sheds."""
+DENSITY, FACTOR, EDGE_FACTOR, LIMIT = range(4)
 """Columns of `constant`: of the fluid, kg/m3; suction over the square of the through-flow at the leading edge, N s2/m2
-(`spacing.suction_factor`; 0: none)."""
-TOTAL, SUCTION = range(2)
-"""Columns of `scalar`: bound circulation one step earlier, m2/s, and the suction, N, as expected."""
+(`spacing.suction_factor`; 0: none); `spacing.edge_factor`; largest suction velocity, m/s."""
+(TOTAL, SUCTION, SPEED, SHEDS, RELEASED, RELEASED_BEFORE, WASH_Y, WASH_Z, NEW_Y, NEW_Z, LEADING_Y,
+ LEADING_Z) = range(12)  # fmt: skip
+"""Columns of `scalar`: bound circulation one step earlier, m2/s; suction, N, as expected; suction velocity at the
+leading edge, m/s, see `leading_edge`; 1 while that edge sheds; circulation that it has shed so far and until a step
+earlier, m2/s; velocity of the wake there, along Y and Z, m/s; in wing axes, m, where the step's new vortices stand, of
+the trailing edge and of the leading edge."""
+BASE, STRENGTH = range(2)
+"""Rows of `edge`, a value for every column of the solution: A without the new vortex of the leading edge, and how
+strong that vortex is."""
 
 Lattice = ti.types.argpack(
     size=Ints2,  # what a case gives and what its march keeps, one row a case: see the names of their columns
@@ -49,12 +57,14 @@ Lattice = ti.types.argpack(
     bound=Floats3,  # ... and in Y, Z, the vortices with their circulation
     control=Floats3,
     wash=Floats3,  # velocity of the wake at the control points, in wing axes
-    new=Floats3,  # and of a new vortex of unit circulation
+    new=Floats3,  # and of a new vortex of unit circulation, then of one of the leading edge, if it sheds
     slip=Floats3,  # row 0: tangential velocity of the fluid past the panel, as expected
     sums=Floats3,  # circulation ahead of and on each panel, one step earlier and two
     pressure=Floats2,
     matrix=Octets3,  # and the right-hand sides, while they are solved
-    solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode
+    solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode;
+    # behind them, while it is solved, for a unit vortex of the leading edge
+    edge=Floats3,
     factor=Octets2,
 )
 
@@ -66,17 +76,22 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     modes = most_modes(sections)
     node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
     shape = np.zeros((count, modes, TABLES, most + 1))
-    constant, span = np.zeros((count, 2)), np.zeros((count, most))
+    size, constant, span = np.zeros((count, 3), dtype=int), np.zeros((count, 4)), np.zeros((count, most))
+    sheds = [case.uvlm.leading_edge == "sheds" for case in cases]
+    columns = modes + 1 + any(sheds)
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
         at, panels = spacing.stations(case), case.uvlm.panels
         node[b, Y, : panels + 1], vortex[b, Y, :panels], point[b, Y, :panels] = at.node, at.vortex, at.point
         shape[b, : section.count, :, : panels + 1] = spacing.tables(case, section.shape, section.slope)
         span[b, :panels] = Profile.of(case.wing.span).means(at.node / case.wing.chord + case.wing.pivot)
-        constant[b] = case.fluid.density, spacing.suction_factor(case) if case.uvlm.suction else 0.0
+        size[b] = panels, case.uvlm.loads == "panels", sheds[b]
+        factor = spacing.suction_factor(case) if case.uvlm.suction or sheds[b] else 0.0
+        limit = case.uvlm.suction_limit * case.reference_speed if sheds[b] else 0.0
+        constant[b] = case.fluid.density, factor, spacing.edge_factor(case), limit
     return Lattice(
-        size=array([[case.uvlm.panels, int(case.uvlm.loads == "panels")] for case in cases]),
+        size=array(size),
         constant=array(constant),
-        scalar=zeros(ti.f64, count, 2),
+        scalar=zeros(ti.f64, count, 12),
         span=array(span),
         stream=array([case.fluid.velocity for case in cases], float),
         shape=array(shape),
@@ -87,12 +102,13 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
         bound=zeros(ti.f64, count, 4, most),
         control=zeros(ti.f64, count, 2, most),
         wash=zeros(ti.f64, count, 2, most),
-        new=zeros(ti.f64, count, 2, most),
+        new=zeros(ti.f64, count, 2 + 2 * any(sheds), most),
         slip=zeros(ti.f64, count, 2, most),
         sums=zeros(ti.f64, count, 2, most),
         pressure=zeros(ti.f64, count, most),
-        matrix=zeros(Octet, count, most, most // 8 + linear.octets(modes + 1)),
-        solution=zeros(ti.f64, count, modes + 1, most),
+        matrix=zeros(Octet, count, most, most // 8 + linear.octets(columns)),
+        solution=zeros(ti.f64, count, columns, most),
+        edge=zeros(ti.f64, count, 2, columns),
         factor=zeros(Octet, count, most),
     )
 
@@ -178,7 +194,18 @@ def guard(body: View, flow: View, wakes: View, b, n):
 
 
 @ti.func
-def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
+def velocity_past(body: View, flow: View, b, n, i):
+    """Velocity (m/s) of the stream relative to node `i` without modal acceleration, along e_y and e_z."""
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    return (
+        theta_rate * flow.node[b, Z, i] - p_y,
+        -p_z - theta_rate * flow.node[b, Y, i] - flow.node[b, 2, i],
+    )
+
+
+@ti.func
+def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
     """Place this step's wake vortex behind the trailing edge and note what a unit of it does to the panels.
 
     Fixed rule: a distance along the tangent there. Local rule: a share of the trailing edge's path relative to the
@@ -192,10 +219,7 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
     along = wakes.setting[b, DISTANCE]
     across = 0.0
     if wakes.setting[b, ALONG_PATH] > 0.0:
-        p_y, p_z = pivot_velocity(body, flow.stream, b, n)
-        theta_rate = body.motion[b, n, PITCH_RATE]
-        u_y = theta_rate * flow.node[b, Z, edge] - p_y
-        u_z = -p_z - theta_rate * flow.node[b, Y, edge] - flow.node[b, 2, edge]
+        u_y, u_z = velocity_past(body, flow, b, n, edge)
         if n > 0:
             youngest = wakes.ring[b, YOUNGEST]
             w_y = wakes.velocity[b, Y, youngest] - flow.stream[b, Y]
@@ -209,15 +233,13 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, absorbing: View):
     z = flow.node[b, Z, edge] + along * t_z + across * t_y
     o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
     middle = flow.size[b, PANELS] // 2
-    merging.make_room(wakes, b, flow.bound[b, Y, middle], flow.bound[b, Z, middle], absorbing)
-    wake.shed(wakes, b, n, o_y + cosine * y - sine * z, o_z + sine * y + cosine * z)
+    merging.make_room(wakes, b, n, flow.bound[b, Y, middle], flow.bound[b, Z, middle], used)
+    wake.shed(wakes, b, n, TRAILING, o_y + cosine * y - sine * z, o_z + sine * y + cosine * z)
+    flow.scalar[b, NEW_Y] = y
+    flow.scalar[b, NEW_Z] = z
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.size[b, PANELS]):
-        dy = flow.point[b, Y, i] - y
-        dz = flow.point[b, Z, i] - z
-        strength = INV_2PI / (dy * dy + dz * dz + core2)
-        flow.new[b, Y, i] = -dz * strength
-        flow.new[b, Z, i] = dy * strength
+        flow.new[b, Y, i], flow.new[b, Z, i] = unit_velocity(flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2)
 
 
 @ti.func
@@ -261,8 +283,9 @@ def assemble(body: View, flow: View, b, n):
 
 @ti.func
 def solve(body: View, flow: View, b):
-    """Circulations for no modal acceleration and for a unit rate of every mode."""
-    linear.solve(flow.matrix, flow.solution, flow.factor, b, flow.size[b, PANELS], body.modes[b] + 1)
+    """Circulations for no modal acceleration and for a unit rate of every mode, and for a unit vortex of an edge."""
+    columns = body.modes[b] + 1 + flow.size[b, SHEDDING]
+    linear.solve(flow.matrix, flow.solution, flow.factor, b, flow.size[b, PANELS], columns)
 
 
 @ti.func

@@ -120,5 +120,30 @@ def suction_factor(case: Case) -> float:
 
 def ring_size(case: Case) -> int:
     """Number of vortices that a case's wake can hold: never more than it will shed."""
-    shed = case.steps + 1
+    shed = shed_a_step(case) * (case.steps + 1)
     return shed if case.uvlm.wake == "all" else min(case.uvlm.wake, shed)
+
+
+def sheds(case: Case) -> bool:
+    """Whether a case's leading edge may shed."""
+    return case.uvlm.leading_edge == "sheds"
+
+
+def has_edge(case: Case) -> bool:
+    """Whether the flow around a case's leading edge is measured."""
+    return case.uvlm.suction or sheds(case)
+
+
+def shed_a_step(case: Case) -> int:
+    """Vortices that a step sheds at most: one, or one from each edge."""
+    return 2 if sheds(case) else 1
+
+
+def absorbs(case: Case) -> bool:
+    """Whether a case's wake may get full, and then absorbs."""
+    return case.uvlm.old_wake == "absorb" and ring_size(case) < shed_a_step(case) * (case.steps + 1)
+
+
+def is_listed(case: Case) -> bool:
+    """Whether a case's wake is a list and no ring, see `taichiflap.fluids.uvlm.merging`."""
+    return sheds(case) or case.uvlm.merge_error > 0.0

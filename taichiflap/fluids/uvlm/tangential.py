@@ -8,9 +8,12 @@ from ...kernels.runtime import Octet, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_velocity
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import CIRCULATION, INV_2PI, TINY, Y, Z, induce, octet, store_octet
-from .lattice import ACROSS, ALONG, FACTOR, PANELS, SUCTION, TOTAL, circulation_at, deflect
+from .leading_edge import released_at
+from .lattice import (
+    ACROSS, ALONG, EDGE_FACTOR, FACTOR, LIMIT, PANELS, SHEDS, SPEED, SUCTION, TOTAL, circulation_at, deflect,
+)  # fmt: skip
 from .stations import EDGE_SLOPE, NODE, POINT, VORTEX
-from .wake import COUNT, YOUNGEST
+from .wake import COUNT, YOUNGEST, YOUNGEST_LEADING
 
 
 @ti.func
@@ -19,7 +22,7 @@ def new_circulation(body: View, flow: View, b):
     new = flow.scalar[b, TOTAL]
     for i in range(flow.size[b, PANELS]):
         new -= circulation_at(body, flow, body.q_guess, b, i)
-    return new
+    return new - released_at(body, flow, body.q_guess, b)
 
 
 @ti.func
@@ -40,10 +43,12 @@ def past_points(body: View, flow: View, b, n):
 
 @ti.func
 def expect_circulation(body: View, flow: View, wakes: View, b):
-    """Give the bound vortices and the new one the circulation of the expected modal rates."""
+    """Give the bound vortices and the new ones the circulation of the expected modal rates."""
     for i in range(flow.size[b, PANELS]):
         flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_guess, b, i)
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = new_circulation(body, flow, b)
+    if flow.scalar[b, SHEDS] > 0.0:
+        wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST_LEADING]] = released_at(body, flow, body.q_guess, b)
 
 
 @ti.func
@@ -101,7 +106,13 @@ def suck(body: View, flow: View, wakes: View, b, n):
     u_z = cosine * v_z[0] - sine * v_y[0] - p_z - theta_rate * y
     u_z -= deflect(flow, body.q_guess, b, RATE, NODE, 0, body.modes[b])
     through = (u_z - slope * u_y) / stretch
-    flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * stretch * through * through
+    if flow.scalar[b, SHEDS] > 0.0:
+        # Its limit to the last bit, at which the vortex that it sheds holds it.
+        at_limit = flow.constant[b, EDGE_FACTOR] * flow.constant[b, LIMIT]
+        flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * at_limit * at_limit
+    else:
+        flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * stretch * through * through
+        flow.scalar[b, SPEED] = through * ti.sqrt(stretch) / flow.constant[b, EDGE_FACTOR]
 
 
 @ti.func

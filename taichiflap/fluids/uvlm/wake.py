@@ -1,8 +1,7 @@
-"""The free wake: a ring of point vortices per case, shed at the trailing edge and carried by the flow.
+"""The free wake: a ring of point vortices per case, shed at the edges of the wing and carried by the flow.
 
 Reade & Jankauski (2020), Eqs 29 and 32 (whose wake sum runs over the wake, not over the panels). Vortices never
-change strength, unless a full ring absorbs one (`merging`) instead of giving up its
-oldest for the new one.
+change strength, unless two are merged or a full ring absorbs one (`merging`) instead of giving up its oldest for the new one.
 """
 
 import math
@@ -26,21 +25,31 @@ from ...vortex.sum import (
     sixteen,
     store_octet,
 )
-from .stations import SHARE, ring_size
+from .stations import SHARE, ring_size, shed_a_step
 
 LEAST_TRAVEL = 2e-4
 """Least distance, in chords, of a new vortex behind the trailing edge: at stroke reversal the travel vanishes."""
 
-KEEP, COUNT, OLDEST, YOUNGEST, CARRIED, CROSSINGS = range(6)
-"""Entries of a ring: its size, how many vortices it holds, the places of the first and last shed, the step for which
-the velocities are known beforehand, and how often a vortex has come upon the wing."""
+TRAILING, LEADING = range(2)
+"""The edge that a vortex was shed from."""
 
-ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, FADE, REFLECTS, SINGLE = range(10)
+MERGE_FROM = 1.5
+"""Distance, in chords, from the middle of the wing within which no vortices are merged."""
+
+KEEP, COUNT, OLDEST, YOUNGEST, CARRIED, CROSSINGS, YOUNGEST_LEADING = range(7)
+"""Entries of a ring: its size, how many vortices it holds, the places of the first shed and of the last from the
+trailing edge, the step for which the velocities are known beforehand, how often a vortex has come upon the wing, and
+the place of the last shed from the leading edge."""
+
+(ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, FADE, REFLECTS, SINGLE, SHED_A_STEP, MERGES,
+ MERGE_BEYOND, SPREAD) = range(14)  # fmt: skip
 """Settings of a wake: where new vortices stand on the trailing edge's path during a step (0: at a fixed distance);
 that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
 (Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start);
 whether a full ring absorbs (1) or drops (0); how near to the wing that is avoided, m; what is left after a step of what
-was lost; whether the wing keeps vortices on their side (1); whether pairs are summed in single precision (1)."""
+was lost; whether the wing keeps vortices on their side (1); whether pairs are summed in single precision (1); how many vortices
+are shed in a step at most; velocity that merging two may change at the wing, m/s (0: none are merged), and
+how near to its middle none are, m; what viscosity adds to a squared core in a step, m2."""
 DROPPED, FAR_ERROR = 2, 3
 """Columns of the tally, after the velocity at the wing of what was dropped or absorbed, m/s, along Y and Z: circulation
 of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
@@ -51,11 +60,12 @@ BEFORE = 2
 
 Wake = ti.types.argpack(
     ring=Ints2,
-    setting=Floats2,  # (case, 10), see the names of its columns
+    setting=Floats2,  # (case, 14), see the names of its columns
     vortex=Floats3,  # (case, 5, place), see taichiflap.vortex; and how far above the wing it stands, m (0: beside it)
     velocity=Floats3,  # (case, 4, place): that of the vortices now, and that with which they moved last
     single=Singles3,  # (case, 4, index): bound vortices and then the wake's, where pairs are summed in single precision
     birth=Ints2,  # step of shedding
+    edge=Ints2,  # TRAILING or LEADING
     tally=Floats2,
 )
 
@@ -68,12 +78,13 @@ def allocate(cases: Sequence[Case]) -> Any:
     # Sums fill eight places at a time, or sixteen.
     count, most = len(cases), 16 * -(-max(keep) // 16)
     return Wake(
-        ring=array([[size, 0, 0, 0, 0, 0] for size in keep]),
+        ring=array([[size, 0, 0, 0, 0, 0, 0] for size in keep]),
         setting=array([_settings(case) for case in cases]),
         vortex=zeros(ti.f64, count, 5, most),
         velocity=zeros(ti.f64, count, 4, most),
         single=zeros(ti.f32, count, 4, most + panels if single else 1),
         birth=zeros(ti.i32, count, most),
+        edge=zeros(ti.i32, count, most),
         tally=zeros(ti.f64, count, 4),
     )
 
@@ -92,11 +103,15 @@ def _settings(case: Case) -> list[float]:
         math.exp(-case.step / case.beat),
         float(uvlm.crossing == "reflect"),
         float(uvlm.precision == "single"),
+        float(shed_a_step(case)),
+        uvlm.merge_error * case.reference_speed if uvlm.merge_error else 0.0,
+        MERGE_FROM * chord,
+        4.0 * (case.fluid.viscosity or 0.0) * case.step,
     ]
 
 
 @ti.func
-def shed(wake: View, b, n, y, z):
+def shed(wake: View, b, n, edge, y, z):
     """Put a vortex of no circulation yet at (y, z), in a free place or in that of the oldest."""
     place = wake.ring[b, COUNT]
     if place < wake.ring[b, KEEP]:
@@ -105,14 +120,42 @@ def shed(wake: View, b, n, y, z):
         place = wake.ring[b, OLDEST]
         wake.ring[b, OLDEST] = (place + 1) % wake.ring[b, KEEP]
         wake.tally[b, DROPPED] = wake.tally[b, DROPPED] + wake.vortex[b, CIRCULATION, place]
-    wake.ring[b, YOUNGEST] = place
+    if edge == LEADING:
+        wake.ring[b, YOUNGEST_LEADING] = place
+    else:
+        wake.ring[b, YOUNGEST] = place
     wake.vortex[b, Y, place] = y
     wake.vortex[b, Z, place] = z
     wake.vortex[b, CIRCULATION, place] = 0.0
     wake.vortex[b, CORE2, place] = 0.0
     wake.vortex[b, GAP, place] = 0.0
-    grow(wake, b, place, 0.0)
+    grow(wake, b, place, 0.0, 0.0)
     wake.birth[b, place] = n
+    wake.edge[b, place] = edge
+
+
+@ti.func
+def core2_at_birth(wake: View, b):
+    """Squared core of a vortex that has not moved yet, m2."""
+    core = wake.setting[b, CORE]
+    if wake.setting[b, GROWTH] > 0.0:
+        core = 0.0
+    return core * core
+
+
+@ti.func
+def move(wake: View, b, source, to):
+    """Put the vortex at one place at another."""
+    for row in range(GAP + 1):
+        wake.vortex[b, row, to] = wake.vortex[b, row, source]
+    for row in range(4):
+        wake.velocity[b, row, to] = wake.velocity[b, row, source]
+    wake.birth[b, to] = wake.birth[b, source]
+    wake.edge[b, to] = wake.edge[b, source]
+    if wake.ring[b, YOUNGEST] == source:
+        wake.ring[b, YOUNGEST] = to
+    if wake.ring[b, YOUNGEST_LEADING] == source:
+        wake.ring[b, YOUNGEST_LEADING] = to
 
 
 @ti.func
@@ -183,18 +226,22 @@ def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: Vie
             step = dt * (now + change)
             moved2 += step * step
             wake.vortex[b, axis, i] = wake.vortex[b, axis, i] + step
-        grow(wake, b, i, ti.sqrt(moved2))
+        grow(wake, b, i, ti.sqrt(moved2), wake.setting[b, SPREAD])
 
 
 @ti.func
-def grow(wake: View, b, i, moved):
-    """Let the core of a vortex that has moved by a distance grow, up to its full size.
+def grow(wake: View, b, i, moved, spread):
+    """Let the core of a vortex that has moved by a distance grow, up to its full size, and viscosity spread it.
 
-    A full core beside the trailing edge would blur the Kutta condition there.
+    A full core beside the edge would blur the Kutta condition there. Viscosity adds `4 nu dt` to the squared core in a
+    step (Lamb and Oseen), beyond its full size too.
     """
     full = wake.setting[b, CORE]
     gain = wake.setting[b, GROWTH]
-    core = full
-    if gain > 0.0:
-        core = ti.min(full, ti.sqrt(wake.vortex[b, CORE2, i]) + gain * moved)
-    wake.vortex[b, CORE2, i] = core * core
+    core2 = wake.vortex[b, CORE2, i] + spread
+    if core2 < full * full or spread == 0.0:
+        core = full
+        if gain > 0.0:
+            core = ti.min(full, ti.sqrt(core2) + gain * moved)
+        core2 = core * core
+    wake.vortex[b, CORE2, i] = core2

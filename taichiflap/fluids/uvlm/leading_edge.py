@@ -1,0 +1,187 @@
+"""A leading edge that sheds: a second sheet of vortices, whose strength holds the suction there at its limit.
+
+The flow around the edge is measured by the suction velocity `A = w sqrt(s)/(2 N)`, m/s: w is the flow through the
+lattice at the edge, along its normal, N the number of panels and s the stretch `sqrt(1 + slope^2)` of the camber line.
+On a steady flat plate it is `U sin(alpha)`, near the edge `gamma -> 2 A sqrt(c/x)`, and the suction is `pi rho c A^2`
+a unit span. `A/U` is the leading-edge suction parameter of Ramesh, Gopalarathnam, Granlund, Ol & Edwards (2014),
+J. Fluid Mech. 751, whose criterion this is: no larger |A| than a limit.
+
+A unit vortex at the edge is one more right-hand side of the lattice's elimination. The A of all its columns then gives
+the strength that the limit asks for, linear in the modal acceleration like all else: `g = g_0 + sum_k g_k (rate_k -
+known rate_k)`. Every column takes its share of the new vortex, and neither loads nor coupling know of it further.
+"""
+
+from ...kernels.runtime import Octet, View, ti
+from ...march.state import AMPLITUDE, COSINE, RATE, SINE
+from ...motion.sampling import PLUNGE, SURGE
+from ...vortex.sum import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, induce, unit_velocity
+from . import wake
+from .lattice import (
+    ACROSS, ALONG, BASE, EDGE_FACTOR, LEADING_Y, LEADING_Z, LIMIT, NEW_Y, NEW_Z, PANELS, RELEASED, RELEASED_BEFORE,
+    SHEDS, SPEED, STRENGTH, TOTAL, WASH_Y, WASH_Z, deflect, velocity_past,
+)  # fmt: skip
+from .stations import EDGE_SLOPE, NODE
+from .wake import ALONG_PATH, COUNT, DISTANCE, LEADING, YOUNGEST, YOUNGEST_LEADING
+
+NEW = 2
+"""First row of `new` for the leading edge's vortex."""
+
+
+@ti.func
+def tangent(body: View, flow: View, b):
+    """Unit tangent of the camber line at the leading edge, and its stretch."""
+    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    stretch = ti.sqrt(1.0 + slope * slope)
+    return 1.0 / stretch, slope / stretch, stretch
+
+
+@ti.func
+def place(body: View, flow: View, wakes: View, b, n):
+    """Where a vortex of the leading edge would stand, and what a unit of it does to the panels.
+
+    The mirror image of the trailing edge's rule: a share of the edge's path relative to the flow that carried the last
+    one, if the step before shed it, else to the wake's at the edge; never behind the edge.
+    """
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    t_y, t_z, _ = tangent(body, flow, b)
+    u_y, u_z = velocity_past(body, flow, b, n, 0)
+    w_y, w_z = flow.scalar[b, WASH_Y], flow.scalar[b, WASH_Z]
+    if flow.scalar[b, SHEDS] > 0.0:
+        youngest = wakes.ring[b, YOUNGEST_LEADING]
+        w_y = wakes.velocity[b, Y, youngest] - flow.stream[b, Y]
+        w_z = wakes.velocity[b, Z, youngest] - flow.stream[b, Z]
+    u_y += cosine * w_y + sine * w_z
+    u_z += cosine * w_z - sine * w_y
+    share = wakes.setting[b, ALONG_PATH] * body.dt[b]
+    along = ti.min(share * (u_y * t_y + u_z * t_z), -wakes.setting[b, DISTANCE])
+    across = share * (u_z * t_y - u_y * t_z)
+    y = flow.node[b, Y, 0] + along * t_y - across * t_z
+    z = flow.node[b, Z, 0] + along * t_z + across * t_y
+    flow.scalar[b, LEADING_Y] = y
+    flow.scalar[b, LEADING_Z] = z
+    core2 = wake.core2_at_birth(wakes, b)
+    for i in range(flow.size[b, PANELS]):
+        u_y, u_z = unit_velocity(flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2)
+        flow.new[b, NEW + Y, i] = u_y
+        flow.new[b, NEW + Z, i] = u_z
+
+
+@ti.func
+def wash_edge(body: View, flow: View, wakes: View, b, n):
+    """Velocity of the wake at the leading edge, along Y and Z."""
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
+    at_y = body.motion[b, n, SURGE] + cosine * y - sine * z
+    at_z = body.motion[b, n, PLUNGE] + sine * y + cosine * z
+    u_y, u_z = induce(Octet(at_y), Octet(at_z), TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
+    flow.scalar[b, WASH_Y] = u_y[0]
+    flow.scalar[b, WASH_Z] = u_z[0]
+
+
+@ti.func
+def assemble(body: View, flow: View, b):
+    """Right-hand side of a unit vortex at the leading edge, which the trailing edge's one gives up (Kelvin)."""
+    for i in range(flow.size[b, PANELS]):
+        u_y = flow.new[b, Y, i] - flow.new[b, NEW + Y, i]
+        u_z = flow.new[b, Z, i] - flow.new[b, NEW + Z, i]
+        flow.solution[b, body.modes[b] + 1, i] = u_z * flow.point[b, ALONG, i] - u_y * flow.point[b, ACROSS, i]
+
+
+@ti.func
+def measure(body: View, flow: View, wakes: View, b, n):
+    """A of every column of the solution; the last is that of a unit vortex at the leading edge."""
+    modes = body.modes[b]
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    t_y, t_z, stretch = tangent(body, flow, b)
+    scale = ti.sqrt(stretch) / flow.constant[b, EDGE_FACTOR]
+    y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
+    core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
+    u_y, u_z = unit_velocity(y - flow.scalar[b, NEW_Y], z - flow.scalar[b, NEW_Z], core2)
+    new = u_z * t_y - u_y * t_z
+    core2 = wake.core2_at_birth(wakes, b)
+    u_y, u_z = unit_velocity(y - flow.scalar[b, LEADING_Y], z - flow.scalar[b, LEADING_Z], core2)
+    leading = u_z * t_y - u_y * t_z
+    for column in range(modes + 2):
+        through = 0.0
+        bound = 0.0
+        for i in range(flow.size[b, PANELS]):
+            dy, dz = y - flow.vortex[b, Y, i], z - flow.vortex[b, Z, i]
+            circulation = flow.solution[b, column, i]
+            through += circulation * INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz)
+            bound += circulation
+        if column == 0:
+            w_y, w_z = flow.scalar[b, WASH_Y], flow.scalar[b, WASH_Z]
+            u_y, u_z = velocity_past(body, flow, b, n, 0)
+            u_y += cosine * w_y + sine * w_z
+            u_z += cosine * w_z - sine * w_y
+            through += new * (flow.scalar[b, TOTAL] - bound) + u_z * t_y - u_y * t_z
+        elif column <= modes:
+            through -= new * bound + flow.shape[b, column - 1, NODE, 0] * t_y
+        else:
+            through += leading - new * (bound + 1.0)
+        flow.edge[b, BASE, column] = scale * through
+
+
+@ti.func
+def at_rates(body: View, flow: View, state: View, b, row):
+    """A row of `edge` at the modal rates of a state."""
+    value = flow.edge[b, row, 0]
+    for k in range(body.modes[b]):
+        value += flow.edge[b, row, k + 1] * (state[b, RATE, k] - body.q_known[b, RATE, k])
+    return value
+
+
+@ti.func
+def released_at(body: View, flow: View, state: View, b):
+    """Circulation of the leading edge's new vortex at the modal rates of a state; zero if it sheds none."""
+    released = 0.0
+    if flow.scalar[b, SHEDS] > 0.0:
+        released = at_rates(body, flow, state, b, STRENGTH)
+    return released
+
+
+@ti.func
+def shed(body: View, flow: View, wakes: View, b, n):
+    """Shed a vortex where the expected A passes its limit, of the strength that holds it there.
+
+    It is decided at the expected modal rates; the strength then follows from the actual ones.
+    """
+    modes = body.modes[b]
+    limit = flow.constant[b, LIMIT]
+    expected = at_rates(body, flow, body.q_guess, b, BASE)
+    flow.scalar[b, SHEDS] = 0.0
+    if ti.abs(expected) > limit or limit == 0.0:
+        flow.scalar[b, SHEDS] = 1.0
+        target = limit
+        if expected < 0.0:
+            target = 0.0 - limit
+        for column in range(modes + 1):
+            strength = (target - flow.edge[b, BASE, column]) / flow.edge[b, BASE, modes + 1]
+            target = 0.0
+            flow.edge[b, STRENGTH, column] = strength
+            for i in range(flow.size[b, PANELS]):
+                flow.solution[b, column, i] = (
+                    flow.solution[b, column, i] + strength * flow.solution[b, modes + 1, i]
+                )
+        cosine = body.motion[b, n, COSINE]
+        sine = body.motion[b, n, SINE]
+        y, z = flow.scalar[b, LEADING_Y], flow.scalar[b, LEADING_Z]
+        at_y = body.motion[b, n, SURGE] + cosine * y - sine * z
+        at_z = body.motion[b, n, PLUNGE] + sine * y + cosine * z
+        wake.shed(wakes, b, n, LEADING, at_y, at_z)
+
+
+@ti.func
+def settle(body: View, flow: View, wakes: View, b):
+    """Strength of the vortex just shed, the suction velocity and all that the edge has shed, at the actual rates."""
+    released = released_at(body, flow, body.q, b)
+    flow.scalar[b, SPEED] = (
+        at_rates(body, flow, body.q, b, BASE) + flow.edge[b, BASE, body.modes[b] + 1] * released
+    )
+    flow.scalar[b, RELEASED_BEFORE] = flow.scalar[b, RELEASED]
+    flow.scalar[b, RELEASED] = flow.scalar[b, RELEASED] + released
+    if flow.scalar[b, SHEDS] > 0.0:
+        wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST_LEADING]] = released
