@@ -213,38 +213,17 @@ class UvlmOracle(Oracle):
         u, chord = self.case.uvlm, self.case.wing.chord
         self.rule = rule
         if n:
-            everything = np.vstack((self.wake, np.column_stack((self.bound, 0 * self.bound[:, 0]))))
-            now = velocity(self.wake[:, :2], everything, self.wake[:, 3]) + self.stream
-            step = self.dt * now
-            old = len(now) - self.fresh
-            if u.convection == "second_order":
-                step[:old] += self.dt / 2 * (now[:old] - self.wake_velocity)
-            self.wake_velocity = now
-            self.wake = self.wake.copy()
-            self.wake[:, :2] += step
-            self.wake[:, 3] += 4.0 * (self.case.fluid.viscosity or 0.0) * self.dt
-            if u.core_growth:
-                core = np.sqrt(self.wake[:, 3])
-                grown = np.minimum(core + u.core_growth * np.hypot(*step.T), u.core * chord)
-                self.wake[:, 3] = np.maximum(core, grown) ** 2
-        self.w = q_star @ self.phi
-        self.q_star, self.v_star = q_star, v_star
-        nodes = self.point(self.nodes, self.w)
-        self.side = np.diff(nodes, axis=0)
-        self.length = np.hypot(*self.side.T)
-        self.edges = nodes
-        self.vortices = self.point(self.places[0], q_star @ self.phi_vortex)
-        self.controls = self.point(self.places[1], q_star @ self.phi_point)
-        self.tangent, self.normal = self.tangents(q_star @ self.slope_point)
+            self.convect()
+        self.lay(q_star, v_star)
         edge_rate = v_known @ self.phi[:, -1]
         edge_velocity = self.point_velocity(self.nodes[-1], self.w[-1], edge_rate)
         if u.shedding == "fixed":
-            new = nodes[-1] + u.shedding_distance * chord * self.tangent[-1]
+            new = self.edges[-1] + u.shedding_distance * chord * self.tangent[-1]
         else:
             flow = self.wake_velocity[self.sheet == 0][-1] if n else self.stream
             step = (0.30 if self.cosine else 0.25) * self.dt * (flow - edge_velocity)
             along = max(step @ self.tangent[-1], 2e-4 * chord)
-            new = nodes[-1] + along * self.tangent[-1] + (step @ self.normal[-1]) * self.normal[-1]
+            new = self.edges[-1] + along * self.tangent[-1] + (step @ self.normal[-1]) * self.normal[-1]
         keep = np.inf if u.wake == "all" else u.wake
         if len(self.wake) >= keep:
             self.dropped += self.wake[0, 2]
@@ -268,6 +247,34 @@ class UvlmOracle(Oracle):
     def vortex_of(self, circulation):
         y, z, core2 = self.new
         return (y, z, circulation, core2)
+
+    def convect(self):
+        u, chord = self.case.uvlm, self.case.wing.chord
+        everything = np.vstack((self.wake, np.column_stack((self.bound, 0 * self.bound[:, 0]))))
+        now = velocity(self.wake[:, :2], everything, self.wake[:, 3]) + self.stream
+        step = self.dt * now
+        old = len(now) - self.fresh
+        if u.convection == "second_order":
+            step[:old] += self.dt / 2 * (now[:old] - self.wake_velocity)
+        self.wake_velocity = now
+        self.wake = self.wake.copy()
+        self.wake[:, :2] += step
+        self.wake[:, 3] += 4.0 * (self.case.fluid.viscosity or 0.0) * self.dt
+        if u.core_growth:
+            core = np.sqrt(self.wake[:, 3])
+            grown = np.minimum(core + u.core_growth * np.hypot(*step.T), u.core * chord)
+            self.wake[:, 3] = np.maximum(core, grown) ** 2
+
+    def lay(self, q_star, v_star):
+        self.w = q_star @ self.phi
+        self.q_star, self.v_star = q_star, v_star
+        nodes = self.point(self.nodes, self.w)
+        self.side = np.diff(nodes, axis=0)
+        self.length = np.hypot(*self.side.T)
+        self.edges = nodes
+        self.vortices = self.point(self.places[0], q_star @ self.phi_vortex)
+        self.controls = self.point(self.places[1], q_star @ self.phi_point)
+        self.tangent, self.normal = self.tangents(q_star @ self.slope_point)
 
     def place_leading(self, v_known):
         """A vortex ahead of the leading edge, as one more column; without a row of its own it has no strength."""
@@ -408,6 +415,14 @@ class UvlmOracle(Oracle):
         up = np.array([-np.sin(th), np.cos(th)])
         return phi @ (force @ up) + self.phi[:, 0] * (self.suction @ up)
 
+    def friction(self, bound):
+        """Blasius's friction of both sides, of each panel, along the chord."""
+        fluid, arc = self.case.fluid, self.length.sum()
+        mean = self.slip @ self.length / arc
+        sides = np.array([mean - 0.5 * bound / arc, mean + 0.5 * bound / arc])
+        factor = 0.664 * fluid.density * ((fluid.viscosity or 0.0) / self.case.wing.chord) ** 0.5
+        return factor * np.sum(np.sign(sides) * np.abs(sides) ** 1.5) * self.span * self.length
+
     def end(self, n):
         zp, th = self.kinematics[0], self.kinematics[3]
         force, places, _ = self.pieces(self.v)
@@ -421,6 +436,9 @@ class UvlmOracle(Oracle):
         self.released = [self.released[0] + leading, self.released[0]]
         self.sums = [self.released[0] + np.cumsum(gamma), self.sums[0]]
         self.total = gamma.sum()
+        chordwise = np.array([np.cos(th), np.sin(th)])
+        rubbed = self.friction(gamma.sum())[:, None] * chordwise
+        force, places = np.vstack((force, rubbed)), np.vstack((places, self.vortices))
         normal = force @ np.array([-np.sin(th), np.cos(th)])
         axial = force @ np.array([np.cos(th), np.sin(th)])
         arm = places - [0.0, zp]

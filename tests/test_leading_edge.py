@@ -47,6 +47,7 @@ def impulse(marched):
     return np.array([gamma @ z + bound[2] @ bound[1], -(gamma @ y) - bound[2] @ bound[0]])
 
 
+@pytest.mark.slow
 def test_no_limit_is_an_attached_edge_bit_for_bit():
     settings = (*SHORT, "wing.modes=2")
     free, _ = march(hawkmoth(*settings, "uvlm.suction_limit=1e9"))
@@ -109,7 +110,7 @@ def test_the_suction_is_at_its_limit_while_the_edge_sheds_and_kelvins_sum_is_zer
 
 
 def test_a_plate_broadside_sheds_alike_at_both_edges():
-    frames, marched = march(broadside(0.02))
+    frames, _ = march(broadside(0.02))
     np.testing.assert_allclose(
         frames.leading_edge_circulation, -frames.trailing_edge_circulation, atol=1e-11 * frames.force[:, 0].max()
     )
@@ -145,11 +146,12 @@ def test_the_force_is_the_rate_of_impulse_of_both_sheets():
     assert errors[1] < 0.6 * errors[0]
 
 
+@pytest.mark.slow
 def test_bits_do_not_depend_on_company_threads_or_an_interruption():
     """Through a merging and an absorbing wake, beside an attached case."""
     case = hawkmoth(*SHORT, "wing.modes=2", "uvlm.merge_error=1e-2", "uvlm.wake=60", "uvlm.old_wake=absorb")
     attached = hawkmoth(*SHORT, "uvlm.leading_edge=attached", "wing.modes=1", "uvlm.panels=9")
-    alone, marched = march(case)
+    alone, _ = march(case)
     assert alone.wake_count[-1] <= 60
     by_itself, _ = march(attached)
     for threads in (1, None):
@@ -169,7 +171,7 @@ def test_bits_do_not_depend_on_company_threads_or_an_interruption():
 
 def test_merging_keeps_circulation_and_centroid_of_each_sheet():
     case = hawkmoth(*EDGE, "wing.modes=0", "uvlm.panels=12", "time.periods=2", "time.steps_per_period=200")
-    plain, bare = march(case)
+    plain, _ = march(case)
     merging, marched = march(case.override("uvlm.merge_error=1e-3"))
     assert merging.wake_count[-1] < 0.7 * plain.wake_count[-1]
     # Its effect on the wing is as small as it says, until the wake's own instability takes it up.
@@ -187,7 +189,7 @@ def test_merging_keeps_circulation_and_centroid_of_each_sheet():
 @pytest.mark.slow
 @pytest.mark.parametrize("limit", [0.0, 0.1])
 def test_a_light_wing_in_a_dense_fluid_stays_stable(limit):
-    """Its mass ratio is 9.4, twenty times the hawkmoth's, its motion small; the tip is that of three times the steps."""
+    """Its mass ratio is 9.4, twenty times the hawkmoth's, its motion small; the tip is that of finer steps."""
     light = (
         *EDGE, "wing.modes=1", f"uvlm.suction_limit={limit}", "uvlm.panels=20", "fluid.density=24.5",
         "motion.plunge.amplitude=0.001", "motion.pitch.amplitude_deg=1.0", "time.periods=2",
@@ -220,3 +222,17 @@ def test_an_edge_that_sheds_has_defaults_of_its_own_which_yield_to_what_is_given
     case = taichiflap.load_case(CASES / "plunging_foil.toml")
     made = case.override("uvlm.leading_edge=sheds").uvlm
     assert (made.panels, made.core, made.core_growth, made.crossing) == (case.uvlm.panels, 0.05, 0.3, "pass")
+
+
+def test_a_plate_edge_on_to_a_stream_has_blasius_friction():
+    """Both sides together 1.328 rho U^2 c Re^-1/2 a unit span, and no other force."""
+    speed, viscosity = 2.0, 1.5e-5
+    case = hawkmoth(
+        *SHORT, "uvlm.leading_edge=attached", "wing.modes=0", "motion.plunge.amplitude=0.0", "time.periods=1",
+        "motion.pitch.amplitude_deg=0.0", f"fluid.velocity=[{speed}, 0.0]", f"fluid.viscosity={viscosity}",
+    )  # fmt: skip
+    frames, _ = march(case)
+    chord, span = case.wing.chord, case.wing.span
+    expected = 1.328 * 1.225 * speed**2 * chord * span * (viscosity / (speed * chord)) ** 0.5
+    np.testing.assert_allclose(frames.force[:, 1], expected, rtol=1e-12)
+    np.testing.assert_allclose(frames.force[:, [0, 2]], 0.0, atol=1e-15)

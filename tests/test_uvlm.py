@@ -1,5 +1,7 @@
 """Vortex lattice: exact steady circulation, Kelvin's theorem, an independent march, the wake's ring."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import assert_columns_agree, hawkmoth, march
@@ -239,10 +241,13 @@ def test_wake_of_frames_runs_from_the_oldest_to_the_youngest():
     assert frames.wake_birth[ends[-2] :].tolist() == list(range(21, 31))
 
 
+ABSORBING = SimpleNamespace(absorbing=True, listing=False, shortening=False)
+
+
 @ti.kernel
 def make_room_once(wakes: wake.Wake, y: ti.f64, z: ti.f64):
     for i in range(1):
-        merging.make_room(wakes, 0, y, z, True)
+        merging.make_room(wakes, 0, 1, y, z, ABSORBING)
 
 
 def absorbing(rng, count, *settings):

@@ -40,7 +40,7 @@ class Uvlm(Section):
         "suction there would pass its limit",
     )
     suction: bool = key(
-        False, text='include the suction at an attached leading edge; one that sheds always has what its limit leaves'
+        False, text="include the suction at an attached leading edge; one that sheds always has what its limit leaves"
     )
     suction_limit: float = key(
         0.1, text="largest suction velocity at an edge that sheds, as a share of reference_speed; 0: it always sheds",

@@ -26,9 +26,14 @@ class Uvlm(Model):
         *WAKE,
         *standard("wake/edge"),
         *standard(
-            "wake_crossings", "wake_lost", "wake_far_error", "suction_velocity", "leading_edge_circulation",
-            "trailing_edge_circulation", "leading_edge_sheds",
-        ),  # fmt: skip
+            "wake_crossings",
+            "wake_lost",
+            "wake_far_error",
+            "suction_velocity",
+            "leading_edge_circulation",
+            "trailing_edge_circulation",
+            "leading_edge_sheds",
+        ),
     )
 
     def nodes(self, case: Case) -> Array:

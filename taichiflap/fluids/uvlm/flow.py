@@ -15,8 +15,19 @@ from ...vortex.sum import CIRCULATION, Y, Z
 from ..interface import Flow
 from . import lattice, leading_edge, tangential, wake
 from .lattice import (
-    ACROSS, ALONG, DENSITY, FACTOR, PANELS, RELEASED, RELEASED_BEFORE, SHEDDING, SHEDS, SPEED, STRENGTH, TOTAL, WHOLE,
-    between, circulation_at,
+    ACROSS,
+    ALONG,
+    DENSITY,
+    FACTOR,
+    PANELS,
+    RELEASED,
+    SHEDDING,
+    SHEDS,
+    SPEED,
+    TOTAL,
+    WHOLE,
+    between,
+    circulation_at,
 )  # fmt: skip
 from .long_wake import LongWakes
 from .stations import ACT, AHEAD, BEHIND, NODE, absorbs, has_edge, is_listed, sheds
@@ -34,6 +45,7 @@ class Uses:
     shedding: bool
     listing: bool
     shortening: bool
+    friction: bool
 
 
 def uses(cases: Sequence[Case]) -> Uses:
@@ -46,6 +58,7 @@ def uses(cases: Sequence[Case]) -> Uses:
         shedding=any(sheds(case) for case in cases),
         listing=any(map(is_listed, cases)),
         shortening=any(absorbs(case) and is_listed(case) for case in cases),
+        friction=any(case.fluid.viscosity for case in cases),
     )
 
 
@@ -73,7 +86,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
         change_ahead = 0.0
         if ti.static(used.shedding):
             if flow.size[b, SHEDDING] == 1:
-                running, change_ahead = ahead_of_wing(flow, b, column, rule)
+                running, change_ahead = leading_edge.potential(flow, b, column, rule)
         for i in range(flow.size[b, PANELS]):
             scale = -flow.constant[b, DENSITY] * flow.span[b, i]
             circulation = flow.solution[b, column, i]
@@ -99,19 +112,6 @@ def load_modes(body: View, flow: View, b, rule, used: View):
 
 
 @ti.func
-def ahead_of_wing(flow: View, b, column, rule):
-    """Jump of potential at the leading edge, all that it has shed, and its rate; of a column of the solution."""
-    jump = 0.0
-    if flow.scalar[b, SHEDS] > 0.0:
-        jump = flow.edge[b, STRENGTH, column]
-    past = 0.0
-    if column == 0:
-        jump += flow.scalar[b, RELEASED]
-        past = rule[C1] * flow.scalar[b, RELEASED] + rule[C2] * flow.scalar[b, RELEASED_BEFORE]
-    return jump, rule[C0] * jump + past
-
-
-@ti.func
 def acting_tangent(flow: View, b, i):
     """Tangent where a panel's steady force acts."""
     along = flow.vortex[b, ALONG, i]
@@ -120,6 +120,21 @@ def acting_tangent(flow: View, b, i):
         along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.length[b, i]
         across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.length[b, i]
     return along, across
+
+
+@ti.func
+def along_chord(body: View, flow: View, b, bound, used: View):
+    """Forces along e_z and e_y and moment of what acts along the wing: suction at its leading edge, and friction."""
+    normal, axial, moment = 0.0, 0.0, 0.0
+    if ti.static(used.suction):
+        if flow.constant[b, FACTOR] > 0.0:
+            axial, normal = tangential.suction_force(body, flow, b)
+            moment = flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
+    if ti.static(used.friction):
+        rubs, turns = tangential.friction(flow, b, bound)
+        axial += rubs
+        moment += turns
+    return normal, axial, moment
 
 
 @ti.func
@@ -139,11 +154,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
     new = 0.0
     if ti.static(used.shedding):
         if flow.size[b, SHEDDING] == 1:
-            before, earlier = flow.scalar[b, RELEASED], flow.scalar[b, RELEASED_BEFORE]
-            leading_edge.settle(body, flow, wakes, b)
-            running = flow.scalar[b, RELEASED]
-            new = running - before
-            change_ahead = rule[C0] * running + rule[C1] * before + rule[C2] * earlier
+            running, change_ahead, new = leading_edge.settle(body, flow, wakes, b, rule)
     for i in range(flow.size[b, PANELS]):
         scale = -flow.constant[b, DENSITY] * flow.span[b, i]
         circulation = circulation_at(body, flow, body.q, b, i)
@@ -173,12 +184,10 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         change_ahead = change
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.scalar[b, TOTAL] - bound - new
     flow.scalar[b, TOTAL] = bound
-    if ti.static(used.suction):
-        if flow.constant[b, FACTOR] > 0.0:
-            axial, normal = tangential.suction_force(body, flow, b)
-            total_normal += normal
-            total_axial += axial
-            total_moment += flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
+    normal, axial, moment = along_chord(body, flow, b, bound, used)
+    total_normal += normal
+    total_axial += axial
+    total_moment += moment
     body.force[b, NORMAL] = total_normal
     body.force[b, AXIAL] = total_axial
     body.force[b, MOMENT] = total_moment

@@ -30,9 +30,10 @@ ALONG, ACROSS = 2, 3
 PANELS, WHOLE, SHEDDING = range(3)
 """Columns of `size`: number of panels; 1 where the pressure counts whole panels (`loads = "panels"`); 1 where the
 leading edge sheds."""
-DENSITY, FACTOR, EDGE_FACTOR, LIMIT = range(4)
+DENSITY, FACTOR, EDGE_FACTOR, LIMIT, FRICTION = range(5)
 """Columns of `constant`: of the fluid, kg/m3; suction over the square of the through-flow at the leading edge, N s2/m2
-(`spacing.suction_factor`; 0: none); `spacing.edge_factor`; largest suction velocity, m/s."""
+(`spacing.suction_factor`; 0: none); `spacing.edge_factor`; largest suction velocity, m/s; friction of
+a side over area and the power 1.5 of its speed (0: none)."""
 (TOTAL, SUCTION, SPEED, SHEDS, RELEASED, RELEASED_BEFORE, WASH_Y, WASH_Z, NEW_Y, NEW_Z, LEADING_Y,
  LEADING_Z) = range(12)  # fmt: skip
 """Columns of `scalar`: bound circulation one step earlier, m2/s; suction, N, as expected; suction velocity at the
@@ -76,7 +77,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     modes = most_modes(sections)
     node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
     shape = np.zeros((count, modes, TABLES, most + 1))
-    size, constant, span = np.zeros((count, 3), dtype=int), np.zeros((count, 4)), np.zeros((count, most))
+    size, constant, span = np.zeros((count, 3), dtype=int), np.zeros((count, 5)), np.zeros((count, most))
     sheds = [case.uvlm.leading_edge == "sheds" for case in cases]
     columns = modes + 1 + any(sheds)
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
@@ -87,7 +88,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
         size[b] = panels, case.uvlm.loads == "panels", sheds[b]
         factor = spacing.suction_factor(case) if case.uvlm.suction or sheds[b] else 0.0
         limit = case.uvlm.suction_limit * case.reference_speed if sheds[b] else 0.0
-        constant[b] = case.fluid.density, factor, spacing.edge_factor(case), limit
+        constant[b] = case.fluid.density, factor, spacing.edge_factor(case), limit, spacing.friction_factor(case)
     return Lattice(
         size=array(size),
         constant=array(constant),

@@ -12,13 +12,31 @@ known rate_k)`. Every column takes its share of the new vortex, and neither load
 """
 
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import AMPLITUDE, COSINE, RATE, SINE
+from ...march.state import AMPLITUDE, C0, C1, C2, COSINE, RATE, SINE
 from ...motion.sampling import PLUNGE, SURGE
 from ...vortex.sum import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, induce, unit_velocity
 from . import wake
 from .lattice import (
-    ACROSS, ALONG, BASE, EDGE_FACTOR, LEADING_Y, LEADING_Z, LIMIT, NEW_Y, NEW_Z, PANELS, RELEASED, RELEASED_BEFORE,
-    SHEDS, SPEED, STRENGTH, TOTAL, WASH_Y, WASH_Z, deflect, velocity_past,
+    ACROSS,
+    ALONG,
+    BASE,
+    EDGE_FACTOR,
+    LEADING_Y,
+    LEADING_Z,
+    LIMIT,
+    NEW_Y,
+    NEW_Z,
+    PANELS,
+    RELEASED,
+    RELEASED_BEFORE,
+    SHEDS,
+    SPEED,
+    STRENGTH,
+    TOTAL,
+    WASH_Y,
+    WASH_Z,
+    deflect,
+    velocity_past,
 )  # fmt: skip
 from .stations import EDGE_SLOPE, NODE
 from .wake import ALONG_PATH, COUNT, DISTANCE, LEADING, YOUNGEST, YOUNGEST_LEADING
@@ -163,9 +181,7 @@ def shed(body: View, flow: View, wakes: View, b, n):
             target = 0.0
             flow.edge[b, STRENGTH, column] = strength
             for i in range(flow.size[b, PANELS]):
-                flow.solution[b, column, i] = (
-                    flow.solution[b, column, i] + strength * flow.solution[b, modes + 1, i]
-                )
+                flow.solution[b, column, i] = flow.solution[b, column, i] + strength * flow.solution[b, modes + 1, i]
         cosine = body.motion[b, n, COSINE]
         sine = body.motion[b, n, SINE]
         y, z = flow.scalar[b, LEADING_Y], flow.scalar[b, LEADING_Z]
@@ -175,13 +191,32 @@ def shed(body: View, flow: View, wakes: View, b, n):
 
 
 @ti.func
-def settle(body: View, flow: View, wakes: View, b):
-    """Strength of the vortex just shed, the suction velocity and all that the edge has shed, at the actual rates."""
+def potential(flow: View, b, column, rule):
+    """Jump of potential at the leading edge, all that it has shed, and its rate; of a column of the solution."""
+    jump = 0.0
+    if flow.scalar[b, SHEDS] > 0.0:
+        jump = flow.edge[b, STRENGTH, column]
+    past = 0.0
+    if column == 0:
+        jump += flow.scalar[b, RELEASED]
+        past = rule[C1] * flow.scalar[b, RELEASED] + rule[C2] * flow.scalar[b, RELEASED_BEFORE]
+    return jump, rule[C0] * jump + past
+
+
+@ti.func
+def settle(body: View, flow: View, wakes: View, b, rule):
+    """The vortex just shed gets its strength at the actual rates.
+
+    Returns:
+        Jump of potential at the leading edge, m2/s, its rate, and that strength.
+    """
     released = released_at(body, flow, body.q, b)
-    flow.scalar[b, SPEED] = (
-        at_rates(body, flow, body.q, b, BASE) + flow.edge[b, BASE, body.modes[b] + 1] * released
-    )
-    flow.scalar[b, RELEASED_BEFORE] = flow.scalar[b, RELEASED]
-    flow.scalar[b, RELEASED] = flow.scalar[b, RELEASED] + released
+    flow.scalar[b, SPEED] = at_rates(body, flow, body.q, b, BASE) + flow.edge[b, BASE, body.modes[b] + 1] * released
+    before = flow.scalar[b, RELEASED]
+    jump = before + released
+    rate = rule[C0] * jump + rule[C1] * before + rule[C2] * flow.scalar[b, RELEASED_BEFORE]
+    flow.scalar[b, RELEASED_BEFORE] = before
+    flow.scalar[b, RELEASED] = jump
     if flow.scalar[b, SHEDS] > 0.0:
         wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST_LEADING]] = released
+    return jump, rate, released

@@ -19,7 +19,7 @@ from ...vortex import multipole
 from ...vortex.multipole import Tree, expand, induce_by_tree, octet_at
 from ...vortex.sum import CORE2, TINY, Y, Z, induce
 from .lattice import PANELS
-from .stations import ring_size
+from .stations import ring_size, shed_a_step
 from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow
 
 WIDE = 3000
@@ -42,9 +42,9 @@ class LongWakes:
         self._lanes = tasks(TASKS, threads)
         workers = min(threads or available_threads(), available_threads())
         alone = len(self._cases) < workers
-        self._starts = np.array([_first_step(case, alone) for case in cases])
+        self._least = np.array([_long(case, alone) for case in cases])
         self._ends = np.array([case.steps for case in cases])
-        self.first = int(self._starts.min())
+        self.first = int(min(least // shed_a_step(case) for case, least in zip(cases, self._least, strict=True)))
         self._error = [case.uvlm.far_error and case.uvlm.far_error * typical_speed_of(case) for case in cases]
         self._single = any(case.uvlm.precision == "single" for case in cases)
         self._tree: Any = None
@@ -55,7 +55,7 @@ class LongWakes:
             self._tree = multipole.allocate(len(self._cases), self._room())
             self._ready = array([0] * len(self._cases))
         counts = view(self._wakes.ring)[:, COUNT]
-        view(self._ready)[...] = ready = (self._starts <= n) & (n <= self._ends) & (view(self._failed) < 0)
+        view(self._ready)[...] = ready = (counts >= self._least) & (n <= self._ends) & (view(self._failed) < 0)
         for b in np.flatnonzero(ready & np.array([error > 0.0 for error in self._error])):
             multipole.sort(self._tree, int(b), view(self._wakes.vortex)[b, : CORE2 + 1, : counts[b]], self._error[b])
         if any(self._error):
@@ -70,11 +70,11 @@ class LongWakes:
         return max([ring_size(case) for case in self._cases if case.uvlm.far_error], default=0)
 
 
-def _first_step(case: Case, alone: bool) -> int:
-    """The first step at which a case's wake is long, where it may have all threads; past its last one if never."""
+def _long(case: Case, alone: bool) -> int:
+    """Vortices from which a case's wake is long, where it may have all threads; more than it ever has if never."""
     least = FAR if case.uvlm.far_error else WIDE
     may = alone or case.uvlm.far_error > 0.0
-    return least if may and ring_size(case) >= least else case.steps + 1
+    return least if may and ring_size(case) >= least else shed_a_step(case) * (case.steps + 1)
 
 
 def typical_speed_of(case: Case) -> float:

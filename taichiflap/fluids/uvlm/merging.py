@@ -17,8 +17,21 @@ two edges, are lists in the order of shedding, not rings: their oldest stands at
 from ...kernels.runtime import View, ti
 from ...vortex.sum import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z
 from .wake import (
-    ABSORB_BEYOND, ABSORBS, BEFORE, COUNT, DROPPED, FADE, GAP, KEEP, LEADING, MERGE_BEYOND, MERGES, OLDEST, SHED_A_STEP,
-    TRAILING, move,
+    ABSORB_BEYOND,
+    ABSORBS,
+    BEFORE,
+    COUNT,
+    DROPPED,
+    FADE,
+    GAP,
+    KEEP,
+    LEADING,
+    MERGE_BEYOND,
+    MERGES,
+    OLDEST,
+    SHED_A_STEP,
+    TRAILING,
+    move,
 )  # fmt: skip
 
 FAR = 1e30

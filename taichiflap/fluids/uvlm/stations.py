@@ -26,6 +26,9 @@ TO_VORTEX, TO_POINT = 0.25, 0.75
 SHARE = {"uniform": 0.25, "cosine": 0.30}
 """Where the local rule puts the new vortex on the trailing edge's path through the fluid during a step."""
 
+BLASIUS = 0.664
+"""Mean friction of one side of a plate in a laminar boundary layer, over `rho U^2 Re^-1/2`."""
+
 NODE, VORTEX, POINT, ACT, AHEAD, BEHIND, VORTEX_SLOPE, POINT_SLOPE, EDGE_SLOPE = range(9)
 """Tables of a mode, one value a node or panel: its values at the nodes, the vortices, the points and where a panel's
 steady force acts; its integrals over the panel ahead of and behind the step of potential; its slopes at the vortices,
@@ -116,6 +119,11 @@ def suction_factor(case: Case) -> float:
     """
     span = Profile.of(case.wing.span).values[0]
     return float(pi * case.fluid.density * case.wing.chord * span / edge_factor(case) ** 2)
+
+
+def friction_factor(case: Case) -> float:
+    """Laminar friction of a plate's side over its area and the power 1.5 of the speed along it (Blasius 1908)."""
+    return BLASIUS * case.fluid.density * float(np.sqrt((case.fluid.viscosity or 0.0) / case.wing.chord))
 
 
 def ring_size(case: Case) -> int:

@@ -8,10 +8,22 @@ from ...kernels.runtime import Octet, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_velocity
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import CIRCULATION, INV_2PI, TINY, Y, Z, induce, octet, store_octet
-from .leading_edge import released_at
 from .lattice import (
-    ACROSS, ALONG, EDGE_FACTOR, FACTOR, LIMIT, PANELS, SHEDS, SPEED, SUCTION, TOTAL, circulation_at, deflect,
+    ACROSS,
+    ALONG,
+    EDGE_FACTOR,
+    FACTOR,
+    FRICTION,
+    LIMIT,
+    PANELS,
+    SHEDS,
+    SPEED,
+    SUCTION,
+    TOTAL,
+    circulation_at,
+    deflect,
 )  # fmt: skip
+from .leading_edge import released_at
 from .stations import EDGE_SLOPE, NODE, POINT, VORTEX
 from .wake import COUNT, YOUNGEST, YOUNGEST_LEADING
 
@@ -83,6 +95,33 @@ def past_vortices(body: View, flow: View, wakes: View, b, n):
         turn = t_y * flow.point[b, ACROSS, i] - t_z * flow.point[b, ALONG, i]
         bend = turn * t_y / (flow.point[b, Y, i] - flow.vortex[b, Y, i])
         flow.slip[b, 0, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
+
+
+@ti.func
+def friction(flow: View, b, bound):
+    """Laminar friction of both sides: its force along e_y and its moment about the pivot.
+
+    Each side has its own mean speed, that past the panels and half the mean strength of the bound sheet on top or off;
+    a plate's boundary layer of that speed gives its friction (Blasius), along the chord wherever the wing is bent, so
+    that it does no work on the modes. The speed is that at the expected modal rates.
+
+    Args:
+        bound: total bound circulation, m2/s.
+    """
+    arc, along = 0.0, 0.0
+    for i in range(flow.size[b, PANELS]):
+        arc += flow.length[b, i]
+        along += flow.length[b, i] * flow.slip[b, 0, i]
+    stress = 0.0
+    for side in ti.static((-0.5, 0.5)):
+        speed = (along + side * bound) / arc
+        stress += flow.constant[b, FRICTION] * ti.sqrt(ti.abs(speed)) * speed
+    force, moment = 0.0, 0.0
+    for i in range(flow.size[b, PANELS]):
+        share = stress * flow.span[b, i] * flow.length[b, i]
+        force += share
+        moment -= share * flow.vortex[b, Z, i]
+    return force, moment
 
 
 @ti.func

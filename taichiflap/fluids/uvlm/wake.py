@@ -1,7 +1,8 @@
 """The free wake: a ring of point vortices per case, shed at the edges of the wing and carried by the flow.
 
 Reade & Jankauski (2020), Eqs 29 and 32 (whose wake sum runs over the wake, not over the panels). Vortices never
-change strength, unless two are merged or a full ring absorbs one (`merging`) instead of giving up its oldest for the new one.
+change strength, unless two are merged or a full ring absorbs one (`merging`) instead of giving up its oldest for the
+new one.
 """
 
 import math
@@ -47,9 +48,9 @@ the place of the last shed from the leading edge."""
 that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
 (Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start);
 whether a full ring absorbs (1) or drops (0); how near to the wing that is avoided, m; what is left after a step of what
-was lost; whether the wing keeps vortices on their side (1); whether pairs are summed in single precision (1); how many vortices
-are shed in a step at most; velocity that merging two may change at the wing, m/s (0: none are merged), and
-how near to its middle none are, m; what viscosity adds to a squared core in a step, m2."""
+was lost; whether the wing keeps vortices on their side (1); whether pairs are summed in single precision (1); how many
+vortices are shed in a step at most; velocity that merging two may change at the wing, m/s (0: none are merged), and how
+near to its middle none are, m; what viscosity adds to a squared core in a step, m2."""
 DROPPED, FAR_ERROR = 2, 3
 """Columns of the tally, after the velocity at the wing of what was dropped or absorbed, m/s, along Y and Z: circulation
 of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
