@@ -20,6 +20,15 @@ from taichiflap.structure import beam
 
 CASES = Path(__file__).parent.parent / "cases"
 
+PAPERS_BLADES = (
+    "dbet.coefficients=reade_jankauski",
+    "dbet.frame=chord",
+    "dbet.added_mass=strip",
+    "dbet.attached=false",
+    "dbet.rotation=0.0",
+)
+"""The founding paper's blade elements."""
+
 # This process and those that it starts watch their sockets.
 SOCKETS = Path(__file__).parent / "sockets"
 if "TAICHIFLAP_SOCKETS" not in os.environ:

@@ -98,12 +98,12 @@ class DbetOracle(Oracle):
         self.y = c.chord * (s - c.pivot)
         self.phi = self.modes.shape(self.y)
         self.area = c.chord / e * mean_span(c.span, s - 0.5 / e, s + 0.5 / e)
-        self.mass = np.pi * self.case.fluid.density * c.chord / 4 * self.area * self.case.dbet.added_mass
+        self.mass = np.pi * self.case.fluid.density * c.chord / 4 * self.area * (self.case.dbet.added_mass == "strip")
 
     def blades(self, w, w_rate):
         """Normal (along e_z) and axial (along e_y) force of every element."""
         _, zd, _, th, thd, _ = self.kinematics
-        d, flow = self.case.dbet, self.case.fluid
+        d, polar, flow = self.case.dbet, self.case.dbet.polar, self.case.fluid
         vy, vz = flow.velocity
         rigid = np.array(
             [
@@ -117,8 +117,8 @@ class DbetOracle(Oracle):
         speed2 = np.sum(u**2, axis=0)
         if d.speed == "truncated":
             speed2 = np.sum(rigid**2 + 2 * rigid * elastic, axis=0)
-        lift = d.lift_max * np.sin(2 * angle)
-        drag = (d.drag_max + d.drag_min) / 2 - (d.drag_max - d.drag_min) / 2 * np.cos(2 * angle)
+        lift = polar.lift_max * np.sin(2 * angle)
+        drag = (polar.drag_max + polar.drag_min) / 2 - (polar.drag_max - polar.drag_min) / 2 * np.cos(2 * angle)
         pressure = 0.5 * flow.density * speed2 * self.area
         normal = -(drag * np.sin(angle) + lift * np.cos(angle)) * pressure
         axial = -(drag * np.cos(angle) - lift * np.sin(angle)) * pressure
@@ -147,6 +147,130 @@ class DbetOracle(Oracle):
         moment = self.y @ normal - self.w @ axial
         unsteady = -np.sum(self.mass * (self.rigid_accel + self.a @ self.phi))
         force = np.array([normal.sum(), axial.sum(), moment, unsteady])
+        self.history.append({"q": self.q, "a": self.a, "force": force})
+
+
+class BladesOracle(DbetOracle):
+    """Blade elements that bend: dense matrices by quadrature over every element, slopes by differences."""
+
+    TERMS = 12
+    LAG = ((0.026452, 0.134339, 0.259403, 0.079806), (0.008958, 0.062834, 0.219862, 0.719731))
+
+    def setup(self):
+        super().setup()
+        case, d = self.case, self.case.dbet
+        count, chord = d.elements, case.wing.chord
+        self.lean_shape = self.modes.slope(self.y) * (d.frame == "deformed")
+        edge = np.arccos(1 - 2 * np.arange(count + 1) / count)
+        points, weights = np.polynomial.legendre.leggauss(16)
+        half = np.diff(edge)[:, None] / 2
+        t, weight = edge[:-1, None] + half * (1 + points), half * weights
+        order = np.arange(1, self.TERMS + 1)[:, None, None]
+        sines = np.sum(weight * np.sin(t) * np.sin(order * t), axis=2)
+        cosines = 2 / np.pi * np.sum(weight * np.cos(order * t), axis=2)
+        root = np.sqrt(self.area * count / chord)
+        moments = 2 / np.pi * sines * root
+        self.potential = np.pi * (chord / 2) ** 2 * moments.T @ (moments / order[:, 0])
+        self.mean_wash = np.diff(edge) / np.pi
+        lift = np.sum(weight * (1 + np.cos(t)), axis=1) * count / 2
+        self.operator = 2 / np.pi * (np.outer(lift, self.mean_wash) - sines.T @ cosines * count / 2)
+        self.plate = 2 / np.pi * lift
+        self.three_quarters = self.plate[::-1] / count
+        self.lag, self.wash = np.zeros(4), 0.0
+
+    def velocities(self, v):
+        """Along the normal and the tangent."""
+        _, zd, _, th, thd, _ = self.kinematics
+        vy, vz = self.case.fluid.velocity
+        u_y = (zd - vz) * np.sin(th) - vy * np.cos(th) - self.w * thd
+        u_z = (zd - vz) * np.cos(th) + vy * np.sin(th) + self.y * thd + v @ self.phi
+        return self.stretch * (u_z - self.lean * u_y), self.stretch * (u_y + self.lean * u_z)
+
+    def separated(self, v):
+        u_n, u_t = self.velocities(v)
+        polar = self.case.dbet.polar
+        angle, pressure = np.arctan2(u_n, u_t), 0.5 * self.case.fluid.density * (u_n**2 + u_t**2)
+        lift = polar.lift_max * np.sin(2 * angle)
+        drag = polar.drag_min + (polar.drag_max - polar.drag_min) * np.sin(angle) ** 2
+        normal = (drag * np.sin(angle) + lift * np.cos(angle)) * pressure
+        return normal, (drag * np.cos(angle) - lift * np.sin(angle)) * pressure
+
+    def begin(self, n, rule, q_star, v_star, v_known):
+        case, d, rho, chord = self.case, self.case.dbet, self.case.fluid.density, self.case.wing.chord
+        _, _, zdd, th, thd, thdd = self.kinematics
+        self.w, self.w_rate, self.lean = q_star @ self.phi, v_star @ self.phi, q_star @ self.lean_shape
+        self.rigid_accel = zdd * np.cos(th) + self.y * thdd - self.w * thd**2
+        self.stretch = 1 / np.sqrt(1 + self.lean**2)
+        u_n, u_t = self.velocities(v_star)
+        speed = np.hypot(u_n.mean(), u_t.mean())
+        angle = np.degrees(np.arcsin(abs(u_n.mean()) / speed))
+        z = np.clip((angle - d.stall_deg[0]) / (d.stall_deg[1] - d.stall_deg[0]), 0, 1)
+        self.sigma = 1.0 if u_t.mean() > 0 or not d.attached else z * z * (3 - 2 * z)
+        self.decay = 0.0 if n == 0 else 2 * speed * case.step / chord
+        normal, tangential = self.separated(v_star)
+        rotation = d.rotation * np.pi / 4 * rho * chord * thd * speed * np.clip(-u_t.mean() / (0.1 * speed), -1, 1)
+        eps = 1e-5
+        self.slope = (self.separated_at(self.w_rate + eps) - self.separated_at(self.w_rate - eps)) / (2 * eps)
+        self.known = self.sigma * (normal + rotation)
+        friction = 0.0
+        if case.fluid.viscosity and d.friction == "laminar":
+            friction = 1.328 * rho * np.sqrt(case.fluid.viscosity * np.abs(u_t) / chord) * u_t
+        self.tangential = self.sigma * tangential + (1 - self.sigma) * friction
+        self.lifted = (1 - self.sigma) * np.pi * rho * np.abs(u_t)
+
+    def separated_at(self, w_rate):
+        """The normal force for given elastic rates of the elements."""
+        phi, self.phi = self.phi, np.eye(len(self.y))
+        normal, _ = self.separated(w_rate)
+        self.phi = phi
+        return normal
+
+    def deficiency(self, v):
+        wash = self.three_quarters @ self.velocities(v)[0]
+        amplitude, exponent = map(np.array, self.LAG)
+        lag = self.lag * np.exp(-exponent * self.decay)
+        lag = lag + amplitude * np.exp(-exponent * self.decay / 2) * (wash - self.wash)
+        return lag, wash
+
+    def pressure(self, v, a):
+        """Times the area of every element, and the share of the added mass in it."""
+        case, d = self.case, self.case.dbet
+        u_n, _ = self.velocities(v)
+        forces = self.known + self.sigma * self.slope * (v @ self.phi - self.w_rate)
+        if d.attached:
+            lag, _ = self.deficiency(v)
+            forces = forces + self.lifted * (self.operator @ u_n - self.plate * lag.sum())
+        if d.added_mass == "strip":
+            added = -self.mass * (self.rigid_accel + a @ self.phi)
+        else:
+            _, zd, zdd, th, thd, thdd = self.kinematics
+            vy, vz = case.fluid.velocity
+            p_y = (zd - vz) * np.sin(th) - vy * np.cos(th)
+            p_z = (zd - vz) * np.cos(th) + vy * np.sin(th)
+            rate = zdd * np.cos(th) - thd * p_y + self.y * thdd + a @ self.phi
+            along = zdd * np.sin(th) + thd * p_z - self.w_rate * thd - self.w * thdd
+            rate = rate - (v @ self.lean_shape) * (p_y - self.w * thd) - self.lean * along
+            added = -case.fluid.density * (self.potential @ rate)
+        return added - self.area * forces, added
+
+    def load(self, v, a):
+        return self.phi @ (self.pressure(v, a)[0] - self.area * self.lean * self.tangential)
+
+    def end(self, n):
+        case, d = self.case, self.case.dbet
+        pressure, added = self.pressure(self.v, self.a)
+        tangential = self.area * self.tangential
+        if d.frame == "chord" and not d.attached:
+            tangential = self.area * self.separated(self.v)[1]
+        normal, axial = pressure - self.lean * tangential, -self.lean * pressure - tangential
+        moment = self.y @ normal - self.w @ axial
+        suction = 0.0
+        if d.attached:
+            lag, wash = self.deficiency(self.v)
+            around = self.mean_wash @ self.velocities(self.v)[0] - lag.sum()
+            suction = (1 - self.sigma) * np.pi * case.fluid.density * d.suction * around**2 * self.area.sum()
+            self.lag, self.wash = lag, wash
+        force = np.array([normal.sum(), axial.sum() - suction, moment, added.sum()])
         self.history.append({"q": self.q, "a": self.a, "force": force})
 
 

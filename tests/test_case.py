@@ -60,7 +60,7 @@ BAD = [
     ('fluid.velocity=[1, "a"]', ['fluid.velocity[1] = "a"']),
     ("dbet.elements=0", ["dbet.elements = 0", ">= 1"]),
     ('dbet.speed="half"', ['dbet.speed = "half"', '"full" or "truncated"']),
-    ("dbet.added_mass=1", ["dbet.added_mass = 1", "true or false"]),
+    ("dbet.added_mass=1", ["dbet.added_mass = 1", '"potential" or "strip" or "none"']),
     ("uvlm.panels=0", ["uvlm.panels = 0", ">= 1"]),
     ("uvlm.wake=0", ["uvlm.wake = 0", ">= 1", '"all"']),
     ("uvlm.wake=some", ['uvlm.wake = "some"', '"all"']),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import assert_columns_agree, hawkmoth, march
+from conftest import PAPERS_BLADES, assert_columns_agree, hawkmoth, march
 from oracle import DbetOracle
 
 from taichiflap import fluids
@@ -11,14 +11,14 @@ from taichiflap.march.march import March
 from taichiflap.march.state import AXIAL, NORMAL, UNSTEADY
 
 GRADED = ("wing.span=[[0, 0.05], [0.5, 0.06], [1, 0]]", "wing.thickness=[[0, 60e-6], [1, 20e-6]]")
-SHORT = ("solver=dbet", "dbet.elements=11", "time.periods=1", "time.steps_per_period=40")
+SHORT = ("solver=dbet", *PAPERS_BLADES, "dbet.elements=11", "time.periods=1", "time.steps_per_period=40")
 
 
 @pytest.mark.parametrize(
     "settings",
     [
         ("wing.modes=3",),
-        ("wing.modes=1", "dbet.added_mass=false"),
+        ("wing.modes=1", "dbet.added_mass=none"),
         ("wing.modes=0", "fluid.velocity=[0.3, 2.0]"),
         ("wing.modes=2", "dbet.speed=truncated", "fluid.velocity=[1.0, -0.5]", "wing.youngs_modulus=8e9"),
         (
@@ -71,8 +71,9 @@ def test_rigid_added_mass_is_its_closed_form():
 def ring_down(*settings):
     """Frames of a wing let go from a bent shape in fluid at rest, blades without drag."""
     case = hawkmoth(
-        "solver=dbet", "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0", "dbet.lift_max=0.0",
-        "dbet.drag_min=0.0", "dbet.drag_max=0.0", "wing.damping_ratio=0.0", "motion.frequency=80.0", *settings,
+        "solver=dbet", *PAPERS_BLADES, "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0",
+        "dbet.lift_max=0.0", "dbet.drag_min=0.0", "dbet.drag_max=0.0", "wing.damping_ratio=0.0", "motion.frequency=80.0",
+        *settings,
     )  # fmt: skip
     marched = March([case], fluids.load("dbet"))
     view(marched.body.q)[0, 0, 0] = 1e-6
@@ -95,7 +96,9 @@ def test_coupled_solution_converges_at_second_order(modes, coarsest):
     finest = coarsest * 32
     tips = {}
     for steps in (*grids, finest):
-        case = hawkmoth("solver=dbet", f"wing.modes={modes}", "time.periods=1", f"time.steps_per_period={steps}")
+        case = hawkmoth(
+            "solver=dbet", *PAPERS_BLADES, f"wing.modes={modes}", "time.periods=1", f"time.steps_per_period={steps}"
+        )
         tips[steps] = march(case)[0].q[:: steps // coarsest, 0]
     errors = [np.abs(tips[steps] - tips[finest]).max() for steps in grids]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))

@@ -5,12 +5,12 @@ import platform
 from pathlib import Path
 
 import pytest
-from conftest import hawkmoth
+from conftest import PAPERS_BLADES, hawkmoth
 
 import taichiflap
 
 SHORT = ("time.periods=2", "time.steps_per_period=100", "uvlm.panels=12", "wing.modes=2")
-CASES = {"uvlm": SHORT, "dbet": (*SHORT, "solver=dbet")}
+CASES = {"uvlm": SHORT, "dbet": (*SHORT, "solver=dbet", *PAPERS_BLADES)}
 DIGESTS = {
     ("GenuineIntel 6 avx512", "uvlm"): "4a8424930899f8c132795aeebd2a8945a5178a3fcc35b2a4de772d18911460a3",
     ("GenuineIntel 6 avx512", "dbet"): "93df166de8505eaeeb914abac70b778d87b3432df069495b33a21999f8c433d7",

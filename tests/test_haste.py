@@ -4,6 +4,7 @@ import inspect
 
 import pytest
 
+from taichiflap.fluids.dbet import added_mass, attached, elements, loads, separated
 from taichiflap.fluids.dbet import flow as dbet
 from taichiflap.fluids.uvlm import flow as uvlm
 from taichiflap.fluids.uvlm import lattice, merging, tangential, wake
@@ -13,7 +14,26 @@ from taichiflap.march import state as body
 from taichiflap.vortex import sum as vortex
 
 
-@pytest.mark.parametrize("module", [merging, body, lattice, linear, march, tangential, vortex, wake, dbet, uvlm])
+@pytest.mark.parametrize(
+    "module",
+    [
+        merging,
+        body,
+        lattice,
+        linear,
+        march,
+        tangential,
+        vortex,
+        wake,
+        dbet,
+        uvlm,
+        elements,
+        attached,
+        added_mass,
+        loads,
+        separated,
+    ],
+)
 def test_sources_are_those_that_inspect_finds(module):
     functions = [inspect.unwrap(one) for one in vars(module).values() if hasattr(one, "_is_taichi_function")]
     functions = [one for one in functions if one.__module__ == module.__name__]

@@ -54,7 +54,7 @@ def test_a_range_is_even_or_even_in_its_logarithm(case):
         ("solver=dbet,uvlm", ["dbet", "uvlm"]),
         ('uvlm.wake=10,"all"', ["10", "all"]),
         ("fluid.velocity=[0.0, 0.0],[1.0, 0.5]", ["[0.0, 0.0]", "[1.0, 0.5]"]),
-        ("dbet.added_mass=true,false", ["true", "false"]),
+        ("uvlm.suction=true,false", ["true", "false"]),
         ("uvlm.panels=10:160:5:log", [10, 20, 40, 80, 160]),
         ("wing.chord=1,2", [1.0, 2.0]),
     ],

@@ -1,18 +1,147 @@
 """`[dbet]`: settings of the blade elements."""
 
-from typing import Literal
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
 
-from .schema import Section, key
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from .schema import Section, as_tuple, key
+
+
+@dataclass(frozen=True)
+class Polar:
+    """Coefficients of a separated plate: `C_L = lift_max sin 2A`, `C_D` from `drag_min` to `drag_max` as `sin^2 A`.
+
+    Attributes:
+        reynolds: range of the Reynolds number (mean speed and chord) in which the set is used.
+        source: where the numbers come from.
+    """
+
+    lift_max: float
+    drag_min: float
+    drag_max: float
+    reynolds: tuple[float, float] = (0.0, float("inf"))
+    source: str = ""
+
+
+POLARS = {
+    "whitney_wood": Polar(
+        1.8,
+        0.4,
+        3.4,
+        (100.0, 1e4),
+        "Whitney & Wood, J. Fluid Mech. 660 (2010), after Dickinson et al., Science 284 (1999)",
+    ),
+    "reade_jankauski": Polar(
+        1.8, 0.4, 4.0, (1e3, 1e4), "Reade & Jankauski, ASME IDETC DETC2020-22638 (2020), section on DBET"
+    ),
+    "wang": Polar(1.2, 0.4, 2.4, (30.0, 200.0), "Wang, Birch & Dickinson, J. Exp. Biol. 207 (2004), two-dimensional"),
+}
+"""Named sets of coefficients."""
+
+_Degrees = Annotated[float, Field(ge=0, le=90)]
+Stall = Annotated[tuple[_Degrees, _Degrees], BeforeValidator(as_tuple)]
+
+_PAPER = {
+    "coefficients": "reade_jankauski",
+    "frame": "chord",
+    "attached": False,
+    "rotation": 0.0,
+    "friction": "none",
+}
+"""What a file means that says `added_mass = true` or `false`, as files of version 1 do, and leaves these out."""
 
 
 class Dbet(Section):
     """Deformable blade element theory, quasi-steady."""
 
     elements: int = key(50, text="blade elements along the chord", ge=1, le=10_000)
-    lift_max: float = key(1.8, text="largest lift coefficient, at 45 degrees", ge=0, le=100)
-    drag_min: float = key(0.4, text="drag coefficient along the chord", ge=0, le=100)
-    drag_max: float = key(4.0, text="drag coefficient across the chord", ge=0, le=100)
-    added_mass: bool = key(True, text="include the added mass of the fluid")
+    coefficients: Literal["whitney_wood", "reade_jankauski", "wang"] = key(
+        "whitney_wood", text="coefficients of separated flow: lift_max, drag_min, drag_max 1.8/0.4/3.4, 1.8/0.4/4.0 "
+        "or, below a Reynolds number of 200, 1.2/0.4/2.4",
+    )  # fmt: skip
+    lift_max: float | None = key(
+        None, text="largest lift coefficient, at 45 degrees, in place of the set's", example=1.8, ge=0, le=100
+    )
+    drag_min: float | None = key(
+        None, text="drag coefficient along the chord, in place of the set's", example=0.4, ge=0, le=100
+    )
+    drag_max: float | None = key(
+        None, text="drag coefficient across the chord, in place of the set's", example=3.4, ge=0, le=100
+    )
+    frame: Literal["deformed", "chord"] = key(
+        "deformed", text="forces along the normal and tangent of the bent wing, or of the undeformed chord"
+    )
+    added_mass: Literal["potential", "strip", "none"] = key(
+        "potential", text="added mass: potential flow about the whole chord, the paper's independent strips, or none"
+    )
+    attached: bool = key(
+        True, text="attached flow at small angles of attack: unsteady thin-aerofoil theory with its wake's memory"
+    )
+    stall_deg: Stall = key(
+        (20.0, 45.0), unit="deg", text="angles of attack between which attached flow gives way to separated flow"
+    )
+    suction: float = key(
+        1.0, text="share of the leading-edge suction that attached flow keeps: 1 a round edge, 0 none", ge=0, le=1
+    )
+    rotation: float = key(
+        1.0, text="factor of the force of pitch rotation on separated flow; 0: none", ge=0, le=10
+    )  # fmt: skip
+    friction: Literal["laminar", "none"] = key(
+        "laminar", text="skin friction of attached flow, of a laminar boundary layer where fluid.viscosity is given"
+    )
     speed: Literal["full", "truncated"] = key(
         "full", text="square of the local speed: full, or truncated as the paper's Eqs 21-22"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_version_1(cls, given: Any) -> Any:
+        """`added_mass` was true or false; what such a file leaves out is the paper's model."""
+        if isinstance(given, dict) and isinstance(given.get("added_mass"), bool):
+            return {**_PAPER, **given, "added_mass": "strip" if given["added_mass"] else "none"}
+        return given
+
+    @field_validator("stall_deg")
+    @classmethod
+    def _rising(cls, stall: tuple[float, float]) -> tuple[float, float]:
+        if not stall[0] < stall[1]:
+            raise ValueError("the first angle must be less than the second")
+        return stall
+
+    @property
+    def polar(self) -> Polar:
+        """The coefficients of separated flow: those of the named set but for what the file gives itself."""
+        own = {name: getattr(self, name) for name in ("lift_max", "drag_min", "drag_max")}
+        given = {name: value for name, value in own.items() if value is not None}
+        named = POLARS[self.coefficients]
+        return Polar(**{name: getattr(named, name) for name in own} | given) if given else named
+
+    def refusal(self, bends: bool, gust: bool) -> str:
+        """Why this combination cannot be run, with the cure; empty when it can.
+
+        Args:
+            bends: whether the wing has elastic modes.
+            gust: whether the stream carries a gust.
+        """
+        if self.speed == "truncated":
+            new = {
+                'dbet.frame = "deformed"': self.frame == "deformed",
+                'dbet.added_mass = "potential"': self.added_mass == "potential",
+                "dbet.attached = true": self.attached,
+                f"dbet.rotation = {self.rotation:g}": self.rotation > 0.0,
+                "fluid.gust": gust,
+            }
+            there = [name for name, stated in new.items() if stated]
+            if there:
+                return (
+                    f'dbet.speed = "truncated" is the paper\'s and does not go with {", ".join(there)}; give '
+                    'dbet.speed = "full", or frame = "chord", added_mass = "strip", attached = false, rotation = 0.0'
+                )
+        if self.attached and bends and (self.frame != "deformed" or self.added_mass != "potential"):
+            return (
+                f'dbet.attached = true on a bending wing does not go with frame = "{self.frame}" and added_mass = '
+                f'"{self.added_mass}": the wing would flutter at the wrong speed or never; give frame = "deformed" and '
+                'added_mass = "potential", or attached = false'
+            )
+        return ""

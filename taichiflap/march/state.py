@@ -128,3 +128,10 @@ def pivot_heave(body: View, b, n):
     """Acceleration of the pivot along e_z (Eq. 7 with y = W = 0, and surge)."""
     across = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, COSINE]
     return across - body.motion[b, n, SURGE_ACCEL] * body.motion[b, n, SINE]
+
+
+@ti.func
+def pivot_advance(body: View, b, n):
+    """Acceleration of the pivot along e_y."""
+    along = body.motion[b, n, PLUNGE_ACCEL] * body.motion[b, n, SINE]
+    return along + body.motion[b, n, SURGE_ACCEL] * body.motion[b, n, COSINE]

@@ -1,4 +1,4 @@
-"""Deformable blade element theory: quasi-steady loads of every chordwise element."""
+"""Deformable blade element theory: separated, attached and accelerated flow past every chordwise element."""
 
 from collections.abc import Sequence
 from typing import Any

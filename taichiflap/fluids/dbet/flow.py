@@ -1,243 +1,208 @@
-"""Deformable blade element theory: quasi-steady lift, drag and added mass of every chordwise element.
+"""Deformable blade elements: separated, attached and accelerated flow past every element, blended and summed.
 
-Reade & Jankauski (2020), Eqs 17-27, with the corrections that the equations below name. An element moves at
-`(u_y, u_z)` relative to the free stream, so that `sin A = u_z/U` and `cos A = u_y/U` in all four quadrants
-(the paper's arctangent of Eq. 18 loses two), and the force coefficients of Eqs 19-20 become polynomials:
+Reade & Jankauski (2020), Eqs 17-27, is one setting of it; docs/theory/dbet.md derives the rest. The force per area along
+the normal n of the section is
 
-    C_L U^2 = 2 C_Lmax u_y u_z,        C_D U^2 = C_D0 u_y^2 + C_Dmax u_z^2.
+    p = -[sigma (f_n + f_rot) + (1 - sigma) pi rho |u_t| (K u_n + g D)] + p_added,
+
+and along its tangent t `-f`; on the area `span dy` of an element they give `F_z = p - s f` and `F_y = -s p - f`, s the
+slope of the bent wing. All of p is linear in the modal rates and accelerations once geometry, sigma and f are taken at
+the expected ones.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...case.case import Case
 from ...kernels import linear
-from ...kernels.arrays import array, octet_array
-from ...kernels.runtime import Floats1, Floats2, Ints1, Octet, Octets3, View, ti
-from ...march.state import (
-    ACCEL,
-    AMPLITUDE,
-    AXIAL,
-    BETA,
-    MOMENT,
-    NORMAL,
-    RATE,
-    UNSTEADY,
-    most_modes,
-    pivot_heave,
-    pivot_velocity,
-)
-from ...motion.sampling import PITCH_ACCEL, PITCH_RATE
+from ...kernels.arrays import array, octet_array, zeros
+from ...kernels.runtime import Floats2, Floats3, Ints1, Ints2, Octets3, View, ti
+from ...march.state import most_modes
+from ...motion.sampling import PITCH_RATE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
 from ...vortex.sum import TINY
 from ..interface import Flow
-
-POSITION, AREA, R_Z, E_Y, W_RATE, NORMAL_TRACTION, SLOPE, ACCELERATION, PRESSURE, SHEAR = range(10)
-"""Rows of the elements: distance behind the pivot and area (none where a batch pads); rigid part of u_z and elastic
-part of u_y; expected elastic part of u_z, with it the force per area along -e_z and its derivative by u_z; the
-acceleration along e_z (Eq. 7) without the modal part; and the force per area along e_z and e_y."""
+from . import added_mass, attached, elements, loads, separated
+from .added_mass import TERMS
+from .attached import ADVANCE, COEFFICIENTS, SEPARATED
+from .elements import (
+    AREA,
+    ATTACHED,
+    CHORD,
+    FRICTION,
+    HALF_DENSITY,
+    LIFTED,
+    POSITION,
+    POTENTIAL,
+    PRESSURE,
+    ROTATION,
+    ROWS,
+    SHARE,
+    SHEAR,
+    SHEARING,
+    SLOPE,
+    STRETCH,
+    TRACTION,
+    U_T,
+)
+from .separated import BROADSIDE
 
 Blades = ti.types.argpack(
     elements=Ints1,
-    truncated=Ints1,
-    half_density=Floats1,
-    added_mass=Floats1,  # pi rho c/4, per area; 0 where it is left out
+    option=Ints2,  # (case, 4) and (case, 11): see the names of their columns in `elements`
+    setting=Floats2,
     stream=Floats2,
-    lift_max=Floats1,
-    drag_min=Floats1,
-    drag_max=Floats1,
     element=Octets3,  # (case, row, eight elements)
-    shape=Octets3,  # (case, mode, eight elements): mode shapes at the midpoints
+    shape=Octets3,  # (case, mode, eight elements): mode shapes at the midpoints, and their slopes
+    shape_slope=Octets3,
+    sines=Octets3,  # (case, term, eight elements): see `added_mass.table`
+    shape_sine=Floats3,  # (case, mode, term): sine coefficients of the mode shapes
+    sine=Floats3,  # (case, 1 + modes, term): of the flux's rate without modal acceleration, and for a unit one
+    cosines=Octets3,  # see `attached.cosines` and `attached.loads`
+    loads=Octets3,
+    cosine=Floats3,  # (case, 1 + modes, term): cosine coefficients of u_n, likewise
+    work=Floats3,  # (case, 1, term): of a mode on the loads of attached flow
+    lag=Floats2,  # (case, 7): see `attached`
 )
+
+
+@dataclass(frozen=True)
+class Uses:
+    """What of the model some case of a batch needs; the kernel holds nothing else, and is ready the sooner."""
+
+    deformed: bool
+    potential: bool
+    attached: bool
+    rotation: bool
+
+
+def uses(cases: Sequence[Case]) -> Uses:
+    """What a batch needs of the model."""
+    return Uses(
+        deformed=any(case.dbet.frame == "deformed" for case in cases),
+        potential=any(case.dbet.added_mass == "potential" for case in cases),
+        attached=any(case.dbet.attached for case in cases),
+        rotation=any(case.dbet.rotation for case in cases),
+    )
 
 
 def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
     """The elements of a batch, at rest."""
     count = len(cases)
     most = 8 * linear.octets(max(case.dbet.elements for case in cases))
-    element = np.zeros((count, 10, most))
-    shape = np.zeros((count, most_modes(sections), most))
+    modes = most_modes(sections)
+    element = np.zeros((count, ROWS, most))
+    shape, slope = np.zeros((2, count, modes, most))
+    sines, shape_sine = np.zeros((count, TERMS, most)), np.zeros((count, modes, TERMS))
+    cosines, lifts = np.zeros((count, COEFFICIENTS, most)), np.zeros((count, COEFFICIENTS - 1, most))
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
-        n = case.dbet.elements
-        y = middles(case)
+        n, y = case.dbet.elements, elements.middles(case)
         element[b, POSITION, :n] = y
-        element[b, AREA, :n] = areas(case)
-        shape[b, : section.count, :n] = section.shape(y)
-    density = np.array([case.fluid.density for case in cases])
-    chord = np.array([case.wing.chord if case.dbet.added_mass else 0.0 for case in cases])
+        element[b, AREA, :n] = elements.areas(case)
+        element[b, SHARE, :n] = 1.0 / n
+        element[b, STRETCH, :n] = 1.0
+        shape[b, : section.count, :n], slope[b, : section.count, :n] = section.shape(y), section.slope(y)
+        sines[b, :, :n] = added_mass.table(case)
+        shape_sine[b] = (shape[b, :, None] * sines[b]).sum(axis=2)
+        cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(case), attached.loads(case)
     blades = Blades(
         elements=array([case.dbet.elements for case in cases]),
-        truncated=array([case.dbet.speed == "truncated" for case in cases]),
-        half_density=array(0.5 * density),
-        added_mass=array(math.pi * density * chord / 4.0),
+        option=array([_options(case) for case in cases]),
+        setting=array([_settings(case) for case in cases], float),
         stream=array([case.fluid.velocity for case in cases], float),
-        lift_max=array([case.dbet.lift_max for case in cases], float),
-        drag_min=array([case.dbet.drag_min for case in cases], float),
-        drag_max=array([case.dbet.drag_max for case in cases], float),
         element=octet_array(element),
         shape=octet_array(shape),
+        shape_slope=octet_array(slope),
+        sines=octet_array(sines),
+        shape_sine=array(shape_sine),
+        sine=zeros(ti.f64, count, modes + 1, TERMS),
+        cosines=octet_array(cosines),
+        loads=octet_array(lifts),
+        cosine=zeros(ti.f64, count, modes + 1, COEFFICIENTS),
+        work=zeros(ti.f64, count, 1, COEFFICIENTS),
+        lag=zeros(ti.f64, count, 7),
     )
-    return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record)
+    return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record, uses=uses(cases))
 
 
-def middles(case: Case) -> np.ndarray:
-    """Positions of the middles of the elements along the chord, from the pivot, m."""
-    count = case.dbet.elements
-    return case.wing.chord * (np.arange(count) + 0.5) / count - case.wing.pivot * case.wing.chord
+def _options(case: Case) -> list[int]:
+    """The options of a case, in the order of their names in `elements`."""
+    dbet = case.dbet
+    bends = dbet.frame == "deformed" and case.wing.modes > 0
+    return [int(dbet.speed == "truncated"), int(bends), int(dbet.added_mass == "potential"), int(dbet.attached)]
 
 
-def areas(case: Case) -> np.ndarray:
-    """Areas of the elements, m^2."""
-    count = case.dbet.elements
-    return case.wing.chord * Profile.of(case.wing.span).means(np.arange(count + 1) / count) / count
-
-
-@ti.func
-def superpose_octet(shape: View, state: View, b, row, block, count):
-    """`sum_k phi_k q_k` of a row of a modal state at eight elements."""
-    total = Octet(0.0)
-    for k in range(count):
-        total += shape[b, k, block] * state[b, row, k]
-    return total
-
-
-@ti.func
-def normal_force(flow: View, b, u_y, u_z):
-    """Force per area along -e_z of eight elements (Eqs 17-24; the coefficients stay inside the integral)."""
-    across = (flow.drag_min[b] + 2.0 * flow.lift_max[b]) * u_y * u_y + flow.drag_max[b] * u_z * u_z
-    return flow.half_density[b] * u_z * across / ti.sqrt(u_y * u_y + u_z * u_z + TINY)
-
-
-@ti.func
-def normal_slope(flow: View, b, u_y, u_z):
-    """Derivative of the normal force per area by `u_z`."""
-    speed2 = u_y * u_y + u_z * u_z + TINY
-    across = (flow.drag_min[b] + 2.0 * flow.lift_max[b]) * u_y * u_y + flow.drag_max[b] * u_z * u_z
-    change = across * u_y * u_y / speed2 + 2.0 * flow.drag_max[b] * u_z * u_z
-    return flow.half_density[b] * change / ti.sqrt(speed2)
+def _settings(case: Case) -> list[float]:
+    """The settings of a case, in the order of their names in `elements`."""
+    dbet, density, chord = case.dbet, case.fluid.density, case.wing.chord
+    polar = dbet.polar
+    friction = 0.0
+    if dbet.friction == "laminar" and case.fluid.viscosity is not None:
+        friction = 1.328 * density * math.sqrt(case.fluid.viscosity / chord)
+    return [
+        0.5 * density,
+        math.pi * density * (chord if dbet.added_mass == "strip" else 0.0) / 4.0,
+        polar.lift_max,
+        polar.drag_min,
+        polar.drag_max,
+        dbet.rotation * 0.25 * math.pi * density * chord,
+        dbet.suction * math.pi * density * chord * Profile.of(case.wing.span).mean,
+        *map(math.radians, dbet.stall_deg),
+        friction,
+        chord,
+    ]
 
 
 @ti.func
-def axial_force(flow: View, b, u_y, u_z):
-    """Force per area along -e_y: `dD cos A - dL sin A` (Eq. 23 prints cos A twice)."""
-    along = flow.drag_min[b] * u_y * u_y + (flow.drag_max[b] - 2.0 * flow.lift_max[b]) * u_z * u_z
-    return flow.half_density[b] * u_y * along / ti.sqrt(u_y * u_y + u_z * u_z + TINY)
-
-
-@ti.func
-def kept_share(r_y, r_z, e_y, e_z):
-    """Share of the squared speed `|r + e|^2` that the paper's Eqs 21-22 keep: all but the elastic `|e|^2`."""
-    u_y = r_y + e_y
-    u_z = r_z + e_z
-    return (r_y * r_y + r_z * r_z + 2.0 * (r_y * e_y + r_z * e_z)) / (u_y * u_y + u_z * u_z + TINY)
-
-
-@ti.func
-def linearise(body: View, flow: View, b, n):
-    """Blade forces about the expected rates, and the acceleration that the added mass feels (Eqs 6-7, 17-27)."""
-    modes = body.modes[b]
-    heave = pivot_heave(body, b, n)
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
-    theta_rate = body.motion[b, n, PITCH_RATE]
-    theta_accel = body.motion[b, n, PITCH_ACCEL]
+def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
+    """Give attached flow its share, and separated flow the force of rotation."""
+    speed = ti.sqrt(mean_n * mean_n + mean_t * mean_t)
+    share = 1.0
+    if ti.static(used.attached):
+        if flow.option[b, ATTACHED] == 1:
+            share = attached.separate(flow, b, mean_n, mean_t)
+            flow.lag[b, SEPARATED] = share
+            flow.lag[b, ADVANCE] = 0.0
+            if n > 0:
+                flow.lag[b, ADVANCE] = 2.0 * speed * body.dt[b] / flow.setting[b, CHORD]
+    leading = ti.min(ti.max(-mean_t / (BROADSIDE * speed + TINY), -1.0), 1.0)
+    turning = flow.setting[b, ROTATION] * body.motion[b, n, PITCH_RATE] * speed * leading
     for block in range((flow.elements[b] + 7) // 8):
-        y = flow.element[b, POSITION, block]
-        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
-        w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
-        r_z = p_z + y * theta_rate
-        e_y = w * -theta_rate
-        u_y = p_y + e_y
-        u_z = r_z + w_rate
-        traction = normal_force(flow, b, u_y, u_z)
-        slope = normal_slope(flow, b, u_y, u_z)
-        if flow.truncated[b] == 1:
-            kept = kept_share(p_y, r_z, e_y, w_rate)
-            slope = kept * slope + traction * 2.0 * (r_z - kept * u_z) / (u_y * u_y + u_z * u_z + TINY)
-            traction = kept * traction
-        flow.element[b, R_Z, block] = r_z
-        flow.element[b, E_Y, block] = e_y
-        flow.element[b, W_RATE, block] = w_rate
-        flow.element[b, NORMAL_TRACTION, block] = traction
-        flow.element[b, SLOPE, block] = slope
-        flow.element[b, ACCELERATION, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
+        flow.element[b, TRACTION, block] = share * (flow.element[b, TRACTION, block] + turning)
+        flow.element[b, SLOPE, block] = share * flow.element[b, SLOPE, block]
+        if ti.static(used.attached):
+            u_t = flow.element[b, U_T, block]
+            along = ti.sqrt(u_t * u_t)
+            friction = flow.setting[b, FRICTION] * ti.sqrt(along) * u_t
+            shearing = share * flow.element[b, SHEARING, block] + (1.0 - share) * friction
+            lifted = (1.0 - share) * 2.0 * math.pi * flow.setting[b, HALF_DENSITY]
+            flow.element[b, SHEARING, block] = shearing
+            flow.element[b, LIFTED, block] = lifted * along
 
 
 @ti.func
-def load_modes(body: View, flow: View, b, rule):
-    """Modal force and its response to the modal acceleration.
-
-    The blade forces enter with their slope (never negative with the full speed: blades damp); the added mass is
-    linear and goes whole into the response.
-    """
-    modes = body.modes[b]
-    for j in range(modes):
-        load = Octet(0.0)
-        for block in range((flow.elements[b] + 7) // 8):
-            known_rate = superpose_octet(flow.shape, body.q_known, b, RATE, block, modes)
-            ahead = known_rate - flow.element[b, W_RATE, block]
-            traction = flow.element[b, NORMAL_TRACTION, block] + flow.element[b, SLOPE, block] * ahead
-            traction += flow.added_mass[b] * flow.element[b, ACCELERATION, block]
-            load = load - flow.shape[b, j, block] * flow.element[b, AREA, block] * traction
-        body.load[b, j] = load.sum()
-        for k in range(modes):
-            response = Octet(0.0)
-            for block in range((flow.elements[b] + 7) // 8):
-                inertia = flow.added_mass[b] + rule[BETA] * flow.element[b, SLOPE, block]
-                weight = flow.shape[b, j, block] * flow.element[b, AREA, block]
-                response = response - weight * inertia * flow.shape[b, k, block]
-            body.response[b, j, k] = response.sum()
-
-
-@ti.func
-def sum_forces(body: View, flow: View, b, n):
-    """Forces with the modal rates and accelerations that the step has come to."""
-    modes = body.modes[b]
-    p_y, _ = pivot_velocity(body, flow.stream, b, n)
-    total_normal = Octet(0.0)
-    total_axial = Octet(0.0)
-    total_moment = Octet(0.0)
-    total_unsteady = Octet(0.0)
-    for block in range((flow.elements[b] + 7) // 8):
-        y = flow.element[b, POSITION, block]
-        area = flow.element[b, AREA, block]
-        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
-        w_rate = superpose_octet(flow.shape, body.q, b, RATE, block, modes)
-        w_accel = superpose_octet(flow.shape, body.q, b, ACCEL, block, modes)
-        r_z = flow.element[b, R_Z, block]
-        e_y = flow.element[b, E_Y, block]
-        drag = axial_force(flow, b, p_y + e_y, r_z + w_rate)
-        if flow.truncated[b] == 1:
-            drag *= kept_share(p_y, r_z, e_y, w_rate)
-        ahead = w_rate - flow.element[b, W_RATE, block]
-        unsteady = -flow.added_mass[b] * (flow.element[b, ACCELERATION, block] + w_accel)
-        blades = flow.element[b, NORMAL_TRACTION, block] + flow.element[b, SLOPE, block] * ahead
-        normal = unsteady - blades
-        flow.element[b, PRESSURE, block] = normal
-        flow.element[b, SHEAR, block] = -1.0 * drag
-        total_normal += area * normal
-        total_axial = total_axial - area * drag
-        total_moment += area * (y * normal + w * drag)
-        total_unsteady += area * unsteady
-    body.force[b, NORMAL] = total_normal.sum()
-    body.force[b, AXIAL] = total_axial.sum()
-    body.force[b, MOMENT] = total_moment.sum()
-    body.force[b, UNSTEADY] = total_unsteady.sum()
-
-
-@ti.func
-def prepare(batch: View, b, n, rule):
+def prepare(batch: View, b, n, rule, used: View):
     """Modal force of the coming step `n`."""
-    linearise(batch.body, batch.flow, b, n)
-    load_modes(batch.body, batch.flow, b, rule)
+    mean_n, mean_t = separated.linearise(batch.body, batch.flow, b, n, used)
+    if ti.static(used.attached or used.rotation):
+        blend(batch.body, batch.flow, b, n, mean_n, mean_t, used)
+    if ti.static(used.potential):
+        if batch.flow.option[b, POTENTIAL] == 1:
+            added_mass.flux_rates(batch.body, batch.flow, b, n, rule, used)
+    if ti.static(used.attached):
+        if batch.flow.option[b, ATTACHED] == 1:
+            attached.lift(batch.body, batch.flow, b, rule)
+    loads.load_modes(batch.body, batch.flow, b, rule, used)
 
 
 @ti.func
-def settle(batch: View, b, n, rule):
+def settle(batch: View, b, n, rule, used: View):
     """Forces of step `n` once its modal acceleration is known."""
-    sum_forces(batch.body, batch.flow, b, n)
+    loads.sum_forces(batch.body, batch.flow, b, n, used)
 
 
 @ti.func

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...case.case import Case
-from ...fluids.dbet import flow as dbet
+from ...fluids.dbet import elements
 from ...metrics.beats import settled_beats
 from ...metrics.summary import harmonic
 from ...motion import sampling
@@ -56,10 +56,10 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
         middle = case.dbet.elements // 2
         angle = np.broadcast_to(angle[:, middle : middle + 1], angle.shape)
     sine, cosine = np.sin(angle), np.cos(angle)
-    model = case.dbet
-    pressure = 0.5 * case.fluid.density * (across**2 + along**2) * dbet.areas(case)
-    lift = pressure * model.lift_max * np.sin(2.0 * angle)
-    drag = pressure * (model.drag_min * cosine**2 + model.drag_max * sine**2)
+    polar = case.dbet.polar
+    pressure = 0.5 * case.fluid.density * (across**2 + along**2) * elements.areas(case)
+    lift = pressure * polar.lift_max * np.sin(2.0 * angle)
+    drag = pressure * (polar.drag_min * cosine**2 + polar.drag_max * sine**2)
     axial = drag * cosine - lift * (cosine if cosines else sine)
     normal = drag * sine + lift * cosine
     backward = float(np.mean(along < 0.0))
@@ -68,7 +68,7 @@ def blades(result: Result, *, arctangent: bool = False, cosines: bool = False, o
 
 def _velocities(case: Case, result: Result, frames: slice) -> tuple[Array, Array]:
     """`u_z` and `u_y` (Eq. 6) of every element at its middle, m/s, shape (frames, elements)."""
-    y = dbet.middles(case)
+    y = elements.middles(case)
     moved = sampling.sample(case.motion, result.time[frames])[:, :, None]
     across = moved[:, PLUNGE_RATE] * np.cos(moved[:, PITCH]) + y * moved[:, PITCH_RATE]
     along = moved[:, PLUNGE_RATE] * np.sin(moved[:, PITCH]) + 0.0 * y

@@ -49,7 +49,15 @@ _CASE: dict[str, Any] = {
         "pitch": {"amplitude_deg": 15.0, "phase_deg": 0.0},
     },
     "fluid": {"density": AIR},
-    "dbet": {"elements": 50, "lift_max": 1.8, "drag_min": 0.4, "drag_max": 4.0},
+    "dbet": {
+        "elements": 50,
+        "coefficients": "reade_jankauski",
+        "frame": "chord",
+        "added_mass": "strip",
+        "attached": False,
+        "rotation": 0.0,
+        "friction": "none",
+    },
     "uvlm": {
         "panels": 50,
         "spacing": "uniform",

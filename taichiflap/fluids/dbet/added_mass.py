@@ -1,0 +1,79 @@
+"""Added mass of potential flow about the chord, for motions of any shape.
+
+A flux v(y) through the chord gives the jump of potential `-2 b sum_m S_m[v]/m sin(m theta)` with the sine coefficients
+`S_m[v] = 2/pi int_0^pi v sin(theta) sin(m theta) dtheta` (Lamb, Hydrodynamics, 1932, art. 71; b = c/2), and the rate of
+the flux, taken at fixed points of the wing, the load
+
+    dF = -rho pi b^2 sum_m S_m[h^1/2 v'] S_m[h^1/2 ...]/m
+
+of a wing of span h(y): a symmetric form, so that no cycle of motion makes energy. Taken in the wing's axes, which the
+jump of potential turns with, it is exact at any amplitude; the paper's strips take the inertial acceleration (Eqs
+25-27), which makes energy out of nothing when the wing pitches as it heaves.
+"""
+
+import numpy as np
+
+from ...case.case import Case
+from ...kernels.runtime import Octet, View, ti
+from ...march.state import AMPLITUDE, BETA, RATE, pivot_advance, pivot_heave, pivot_velocity
+from ...motion.sampling import PITCH_ACCEL, PITCH_RATE
+from . import elements
+from .elements import DEFORMED, E_Y, LEAN, POSITION, SCRATCH, W_RATE, superpose_octet, transform
+
+TERMS = 12
+"""Terms of the series: five digits for four modes of a beam."""
+
+
+def sines(case: Case) -> np.ndarray:
+    """`2/pi int_e sin(theta) sin(m theta) dtheta` over every element, shape (TERMS, elements): exact integrals."""
+    angle, order = elements.angles(case), np.arange(1, TERMS + 1)[:, None]
+    below = np.sin((order - 1) * angle) / (2 * np.maximum(order - 1, 1))
+    below[0] = angle / 2
+    return 2.0 / np.pi * np.diff(below - np.sin((order + 1) * angle) / (2 * (order + 1)))
+
+
+def table(case: Case) -> np.ndarray:
+    """The sines weighted by `sqrt(pi b^2 h/m)`: kinetic energy of the fluid is `rho/2 sum_m (table_m . v)^2`."""
+    order = np.arange(1, TERMS + 1)[:, None]
+    return sines(case) * np.sqrt(np.pi * (case.wing.chord / 2.0) ** 2 / order * elements.spans(case))
+
+
+@ti.func
+def flux_rates(body: View, flow: View, b, n, rule, used: View):
+    """Sine coefficients of the rate of the flux `u_z - s u_y` at fixed points of the wing, and for every mode."""
+    modes = body.modes[b]
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    theta_accel = body.motion[b, n, PITCH_ACCEL]
+    accel_y = pivot_advance(body, b, n) + theta_rate * p_z
+    accel_z = pivot_heave(body, b, n) - theta_rate * p_y
+    for block in range((flow.elements[b] + 7) // 8):
+        rate = accel_z + flow.element[b, POSITION, block] * theta_accel
+        if ti.static(used.deformed):
+            if flow.option[b, DEFORMED] == 1:
+                w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
+                lean_rate = superpose_octet(flow.shape_slope, body.q_known, b, RATE, block, modes)
+                rate = rate - lean_rate * (p_y - w * theta_rate)
+                turned = accel_y - flow.element[b, W_RATE, block] * theta_rate - w * theta_accel
+                rate = rate - flow.element[b, LEAN, block] * turned
+        flow.element[b, SCRATCH, block] = rate
+    transform(flow, flow.sines, b, flow.sine, 0, TERMS)
+    for k in range(modes):
+        for m in range(TERMS):
+            flow.sine[b, k + 1, m] = flow.shape_sine[b, k, m]
+        if ti.static(used.deformed):
+            if flow.option[b, DEFORMED] == 1:
+                for block in range((flow.elements[b] + 7) // 8):
+                    u_y = p_y + flow.element[b, E_Y, block]
+                    rate = flow.shape[b, k, block] - rule[BETA] * u_y * flow.shape_slope[b, k, block]
+                    flow.element[b, SCRATCH, block] = rate
+                transform(flow, flow.sines, b, flow.sine, k + 1, TERMS)
+
+
+@ti.func
+def force(flow: View, b, block):
+    """Force along -n of eight elements for the coefficients in the last column of `sine`."""
+    total = Octet(0.0)
+    for m in range(TERMS):
+        total += flow.sines[b, m, block] * flow.sine[b, 0, m]
+    return total * (2.0 * flow.setting[b, elements.HALF_DENSITY])

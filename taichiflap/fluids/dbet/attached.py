@@ -1,0 +1,124 @@
+"""Attached flow: unsteady thin-aerofoil theory on the bent section, with the memory of its wake.
+
+A velocity v(y) along the normal of the section, `v = v_0 + sum_m v_m cos(m theta)`, has the steady load (Glauert 1926)
+
+    K v = 2/pi [v_0 L - sum_m v_m T_m],    L = (theta + sin theta)',  T_m = (int sin(m theta) sin(theta) dtheta)',
+
+in means over the elements, normalised so that the mean of K 1 is one. The wake reaches back through the value w of v at
+three quarters of the chord (of any shape: the mean of v weighted by the load of a plate, mirrored): what the load of a
+plate lags behind is `-sum_m X_m`, with
+
+    X_m <- X_m exp(-B_m s) + A_m exp(-B_m s/2) (w - w_before),    s = 2 U dt/c,
+
+which is Wagner's function as a sum of four exponentials. The force per area along -n is `pi rho |u_t| (K v - g sum X)`,
+g = K 1; the leading edge draws forward with `pi rho (v_0 - sum X)^2` per area (von Karman & Burgers 1935).
+"""
+
+import numpy as np
+
+from ...case.case import Case
+from ...kernels.runtime import Octet, View, ti
+from ...march.state import BETA, RATE
+from ...vortex.sum import TINY
+from . import added_mass, elements
+from .added_mass import TERMS
+from .elements import SCRATCH, STRETCH, U_N, W_RATE, superpose_octet, transform
+
+LAG_AMPLITUDE = 0.026452, 0.134339, 0.259403, 0.079806
+LAG_EXPONENT = 0.008958, 0.062834, 0.219862, 0.719731
+"""A_m and B_m, fitted to Wagner's function: within 6e-4 of it, and C(k) within 2.1e-3 of Theodorsen's. Half of the load
+comes at once: the A_m add up to 1/2."""
+
+WASH_BEFORE, SEPARATED, ADVANCE = range(4, 7)
+"""Columns of `lag` after the four states X_m: w one step earlier, the share of separated flow, and s."""
+COEFFICIENTS = TERMS + 2
+"""Rows of `cosine`, the cosine coefficients from v_0 on, and w."""
+
+
+def cosines(case: Case) -> np.ndarray:
+    """What makes of v on the elements the cosine coefficients and w, shape (TERMS + 2, elements)."""
+    angle, order = elements.angles(case), np.arange(1, TERMS + 1)[:, None]
+    table = 2.0 / np.pi * np.diff(np.sin(order * angle)) / order
+    mirrored = plate_load(case)[::-1] / case.dbet.elements
+    return np.vstack((np.diff(angle) / np.pi, table, mirrored))
+
+
+def loads(case: Case) -> np.ndarray:
+    """What makes of the cosine coefficients K v on the elements, shape (TERMS + 1, elements)."""
+    return np.vstack((plate_load(case), -0.5 * case.dbet.elements * added_mass.sines(case)))
+
+
+def plate_load(case: Case) -> np.ndarray:
+    """g = K 1: mean one, its centre at a quarter of the chord."""
+    angle = elements.angles(case)
+    return np.diff(angle + np.sin(angle)) * case.dbet.elements / np.pi
+
+
+@ti.func
+def separate(flow: View, b, mean_n, mean_t):
+    """Share of separated flow, from the angle of the chord's mean velocity: smooth between the two angles of stall.
+
+    With the trailing edge first all flow is separated.
+    """
+    speed = ti.sqrt(mean_n * mean_n + mean_t * mean_t + TINY)
+    angle = ti.asin(ti.min(ti.abs(mean_n) / speed, 1.0))
+    first, last = flow.setting[b, elements.STALL], flow.setting[b, elements.STALLED]
+    place = ti.min(ti.max((angle - first) / (last - first), 0.0), 1.0)
+    share = place * place * (3.0 - 2.0 * place)
+    if mean_t > 0.0:
+        share = 1.0
+    return share
+
+
+@ti.func
+def lag(flow: View, b):
+    """The deficiency `-sum X_m` is `(lambda - 1) w + kappa` of the coming w: lambda and kappa."""
+    kept, known = 1.0, 0.0
+    for m in ti.static(range(4)):
+        whole = ti.exp(-LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
+        half = LAG_AMPLITUDE[m] * ti.exp(-0.5 * LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
+        kept -= half
+        known += half * flow.lag[b, WASH_BEFORE] - flow.lag[b, m] * whole
+    return kept, known
+
+
+@ti.func
+def remember(flow: View, b, wash):
+    """Take the lag's states on to the step's w."""
+    for m in ti.static(range(4)):
+        whole = ti.exp(-LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
+        half = LAG_AMPLITUDE[m] * ti.exp(-0.5 * LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
+        flow.lag[b, m] = flow.lag[b, m] * whole + half * (wash - flow.lag[b, WASH_BEFORE])
+    flow.lag[b, WASH_BEFORE] = wash
+
+
+@ti.func
+def lift(body: View, flow: View, b, rule):
+    """Cosine coefficients of v without modal acceleration (column 0) and for a unit acceleration of every mode.
+
+    The zeroth holds the deficiency too: it then is the velocity around the leading edge.
+    """
+    kept, remembered = lag(flow, b)
+    for column in range(body.modes[b] + 1):
+        for block in range((flow.elements[b] + 7) // 8):
+            velocity = flow.element[b, U_N, block]
+            if column == 0:
+                known = superpose_octet(flow.shape, body.q_known, b, RATE, block, body.modes[b])
+                velocity += flow.element[b, STRETCH, block] * (known - flow.element[b, W_RATE, block])
+            else:
+                velocity = rule[BETA] * flow.element[b, STRETCH, block] * flow.shape[b, column - 1, block]
+            flow.element[b, SCRATCH, block] = velocity
+        transform(flow, flow.cosines, b, flow.cosine, column, COEFFICIENTS)
+        lagging = (kept - 1.0) * flow.cosine[b, column, COEFFICIENTS - 1]
+        if column == 0:
+            lagging += remembered
+        flow.cosine[b, column, 0] = flow.cosine[b, column, 0] + lagging
+
+
+@ti.func
+def operate(flow: View, b, block):
+    """`K v + g D` of eight elements for the coefficients in column 0."""
+    total = Octet(0.0)
+    for m in range(COEFFICIENTS - 1):
+        total += flow.loads[b, m, block] * flow.cosine[b, 0, m]
+    return total

@@ -1,0 +1,70 @@
+"""The blade elements: where they are, what is kept of each, and sums over them."""
+
+import numpy as np
+
+from ...case.case import Case
+from ...kernels.runtime import Octet, View, ti
+from ...structure.chordwise import Profile
+
+POSITION, AREA, SHARE, R_Z, E_Y, W_RATE, LEAN, STRETCH, U_N, U_T = range(10)
+"""First rows of the elements: distance behind the pivot, area, and one over their number (none where a batch pads);
+rigid part of u_z and the rest of u_y but for the pivot's; expected elastic part of u_z; slope s of the bent wing, and
+`1/sqrt(1 + s^2)`; expected velocities along its normal and tangent."""
+TRACTION, SLOPE, SHEARING, FLUX_RATE, LIFTED, PRESSURE, SHEAR, SCRATCH = range(10, 18)
+"""And on: with the expected rates the force per area along -n, its derivative by the elastic rate, and the force along
+-t; of strips the acceleration of Eq. 7 without the modal part; force per area of attached flow on a unit K v; the force
+per area along e_z and e_y; and what a transform is taken of."""
+ROWS = 18
+ABREAST = 7
+"""Terms that a transform sums at once: sums that do not wait for each other."""
+
+HALF_DENSITY, STRIP, LIFT_MAX, DRAG_MIN, DRAG_MAX, ROTATION, SUCTION, STALL, STALLED, FRICTION, CHORD = range(11)
+"""Settings: rho/2; `pi rho c/4` per area of strips, 0 without; coefficients; `pi/4 rho c` times the factor of rotation;
+`pi rho` times the suction's share and the wing's area; angles (rad); `1.328 rho sqrt(nu/c)`; chord (m)."""
+
+TRUNCATED, DEFORMED, POTENTIAL, ATTACHED = range(4)
+"""Options of a case, 0 or 1."""
+
+
+def middles(case: Case) -> np.ndarray:
+    """Positions of the middles of the elements along the chord, from the pivot, m."""
+    count = case.dbet.elements
+    return case.wing.chord * (np.arange(count) + 0.5) / count - case.wing.pivot * case.wing.chord
+
+
+def spans(case: Case) -> np.ndarray:
+    """Mean spans of the elements, m."""
+    count = case.dbet.elements
+    return Profile.of(case.wing.span).means(np.arange(count + 1) / count)
+
+
+def areas(case: Case) -> np.ndarray:
+    """Areas of the elements, m^2."""
+    return case.wing.chord * spans(case) / case.dbet.elements
+
+
+def angles(case: Case) -> np.ndarray:
+    """Angles of the ends of the elements: `x/c = (1 - cos theta)/2`, from 0 at the leading edge to pi."""
+    return np.arccos(1.0 - 2.0 * np.arange(case.dbet.elements + 1) / case.dbet.elements)
+
+
+@ti.func
+def superpose_octet(shape: View, state: View, b, row, block, count):
+    """`sum_k phi_k q_k` of a row of a modal state at eight elements."""
+    total = Octet(0.0)
+    for k in range(count):
+        total += shape[b, k, block] * state[b, row, k]
+    return total
+
+
+@ti.func
+def transform(flow: View, table: View, b, result: View, column, terms: View):
+    """Sums over the elements of the scratch row times each term of a table."""
+    for group in ti.static(range(0, terms, ABREAST)):
+        totals = [Octet(0.0) for _ in ti.static(range(min(ABREAST, terms - group)))]
+        for block in range((flow.elements[b] + 7) // 8):
+            values = flow.element[b, SCRATCH, block]
+            for i in ti.static(range(min(ABREAST, terms - group))):
+                totals[i] += table[b, group + i, block] * values
+        for i in ti.static(range(min(ABREAST, terms - group))):
+            result[b, column, group + i] = totals[i].sum()

@@ -1,0 +1,141 @@
+"""Separated flow: lift and drag of every element as of a plate that moves as it does just now.
+
+Reade & Jankauski (2020), Eqs 17-24, with the corrections that the functions below name. An element moves at
+`(u_t, u_n)` along its tangent and its normal relative to the fluid, so that `sin A = u_n/U` and `cos A = u_t/U` in all
+four quadrants (the paper's arctangent of Eq. 18 loses two), and the coefficients of Eqs 19-20 become polynomials:
+
+    C_L U^2 = 2 C_Lmax u_t u_n,        C_D U^2 = C_D0 u_t^2 + C_Dmax u_n^2.
+
+In the chord frame (the paper's) tangent and normal are those of the undeformed chord, e_y and e_z; in the deformed
+frame those of the bent wing, of slope `s = sum_k phi'_k q_k`.
+"""
+
+from ...kernels.runtime import Octet, View, ti
+from ...march.state import AMPLITUDE, RATE, pivot_heave, pivot_velocity
+from ...motion.sampling import PITCH_ACCEL, PITCH_RATE
+from ...vortex.sum import TINY
+from .elements import (
+    DEFORMED,
+    DRAG_MAX,
+    DRAG_MIN,
+    E_Y,
+    FLUX_RATE,
+    HALF_DENSITY,
+    LEAN,
+    LIFT_MAX,
+    POSITION,
+    R_Z,
+    SHARE,
+    SHEARING,
+    SLOPE,
+    STRETCH,
+    TRACTION,
+    TRUNCATED,
+    U_N,
+    U_T,
+    W_RATE,
+    superpose_octet,
+)
+
+BROADSIDE = 0.1
+"""Chordwise over whole speed of the chord below which the force of rotation turns over from one edge leading to the
+other, so that it has no jump at a stroke's reversal."""
+
+
+@ti.func
+def normal_force(flow: View, b, u_t, u_n):
+    """Force per area along -n of eight elements (Eqs 17-24; the coefficients stay inside the integral)."""
+    across = (flow.setting[b, DRAG_MIN] + 2.0 * flow.setting[b, LIFT_MAX]) * u_t * u_t
+    across += flow.setting[b, DRAG_MAX] * u_n * u_n
+    return flow.setting[b, HALF_DENSITY] * u_n * across / ti.sqrt(u_t * u_t + u_n * u_n + TINY)
+
+
+@ti.func
+def normal_slope(flow: View, b, u_t, u_n):
+    """Derivative of the normal force per area by `u_n`."""
+    speed2 = u_t * u_t + u_n * u_n + TINY
+    across = (flow.setting[b, DRAG_MIN] + 2.0 * flow.setting[b, LIFT_MAX]) * u_t * u_t
+    across += flow.setting[b, DRAG_MAX] * u_n * u_n
+    change = across * u_t * u_t / speed2 + 2.0 * flow.setting[b, DRAG_MAX] * u_n * u_n
+    return flow.setting[b, HALF_DENSITY] * change / ti.sqrt(speed2)
+
+
+@ti.func
+def normal_slope_along(flow: View, b, u_t, u_n):
+    """Derivative of the normal force per area by `u_t`."""
+    speed2 = u_t * u_t + u_n * u_n + TINY
+    along = flow.setting[b, DRAG_MIN] + 2.0 * flow.setting[b, LIFT_MAX]
+    across = along * u_t * u_t + flow.setting[b, DRAG_MAX] * u_n * u_n
+    return flow.setting[b, HALF_DENSITY] * u_n * u_t * (2.0 * along - across / speed2) / ti.sqrt(speed2)
+
+
+@ti.func
+def axial_force(flow: View, b, u_t, u_n):
+    """Force per area along -t: `dD cos A - dL sin A` (Eq. 23 prints cos A twice)."""
+    along = flow.setting[b, DRAG_MIN] * u_t * u_t
+    along += (flow.setting[b, DRAG_MAX] - 2.0 * flow.setting[b, LIFT_MAX]) * u_n * u_n
+    return flow.setting[b, HALF_DENSITY] * u_t * along / ti.sqrt(u_t * u_t + u_n * u_n + TINY)
+
+
+@ti.func
+def kept_share(r_y, r_z, e_y, e_z):
+    """Share of the squared speed `|r + e|^2` that the paper's Eqs 21-22 keep: all but the elastic `|e|^2`."""
+    u_y = r_y + e_y
+    u_z = r_z + e_z
+    return (r_y * r_y + r_z * r_z + 2.0 * (r_y * e_y + r_z * e_z)) / (u_y * u_y + u_z * u_z + TINY)
+
+
+@ti.func
+def linearise(body: View, flow: View, b, n, used: View):
+    """Motion of the elements, and the forces of separated flow on them, about the expected rates (Eqs 6-7, 17-27).
+
+    Returns the means over the chord of u_n and u_t.
+    """
+    modes = body.modes[b]
+    heave = pivot_heave(body, b, n)
+    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    theta_rate = body.motion[b, n, PITCH_RATE]
+    theta_accel = body.motion[b, n, PITCH_ACCEL]
+    mean_n = Octet(0.0)
+    mean_t = Octet(0.0)
+    for block in range((flow.elements[b] + 7) // 8):
+        y = flow.element[b, POSITION, block]
+        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
+        w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
+        r_z = p_z + y * theta_rate
+        e_y = w * -theta_rate
+        u_y = p_y + e_y
+        u_z = r_z + w_rate
+        u_t, u_n = u_y, u_z
+        if ti.static(used.deformed):
+            if flow.option[b, DEFORMED] == 1:
+                lean = superpose_octet(flow.shape_slope, body.q_guess, b, AMPLITUDE, block, modes)
+                stretch = 1.0 / ti.sqrt(1.0 + lean * lean)
+                u_t = (u_y + lean * u_z) * stretch
+                u_n = (u_z - lean * u_y) * stretch
+                flow.element[b, LEAN, block] = lean
+                flow.element[b, STRETCH, block] = stretch
+        traction = normal_force(flow, b, u_t, u_n)
+        slope = normal_slope(flow, b, u_t, u_n)
+        if ti.static(used.deformed):
+            if flow.option[b, DEFORMED] == 1:
+                stretch = flow.element[b, STRETCH, block]
+                lean = flow.element[b, LEAN, block]
+                slope = stretch * (slope + lean * normal_slope_along(flow, b, u_t, u_n))
+        if flow.option[b, TRUNCATED] == 1:
+            kept = kept_share(p_y, r_z, e_y, w_rate)
+            slope = kept * slope + traction * 2.0 * (r_z - kept * u_z) / (u_y * u_y + u_z * u_z + TINY)
+            traction = kept * traction
+        flow.element[b, R_Z, block] = r_z
+        flow.element[b, E_Y, block] = e_y
+        flow.element[b, W_RATE, block] = w_rate
+        flow.element[b, U_N, block] = u_n
+        flow.element[b, U_T, block] = u_t
+        flow.element[b, TRACTION, block] = traction
+        flow.element[b, SLOPE, block] = slope
+        flow.element[b, FLUX_RATE, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
+        if ti.static(used.deformed or used.attached):
+            flow.element[b, SHEARING, block] = axial_force(flow, b, u_t, u_n)
+        mean_n += flow.element[b, SHARE, block] * u_n
+        mean_t += flow.element[b, SHARE, block] * u_t
+    return mean_n.sum(), mean_t.sum()
