@@ -72,8 +72,8 @@ def ring_down(*settings):
     """Frames of a wing let go from a bent shape in fluid at rest, blades without drag."""
     case = hawkmoth(
         "solver=dbet", *PAPERS_BLADES, "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0",
-        "dbet.lift_max=0.0", "dbet.drag_min=0.0", "dbet.drag_max=0.0", "wing.damping_ratio=0.0", "motion.frequency=80.0",
-        *settings,
+        "dbet.lift_max=0.0", "dbet.drag_min=0.0", "dbet.drag_max=0.0", "wing.damping_ratio=0.0",
+        "motion.frequency=80.0", *settings,
     )  # fmt: skip
     marched = March([case], fluids.load("dbet"))
     view(marched.body.q)[0, 0, 0] = 1e-6

@@ -79,21 +79,12 @@ def heaving(solver: str, settings: Sequence[Setting] = POINTS, steps: int = STEP
     for one in settings:
         frequency = one.k / math.pi
         beats = max(8, round(8 * frequency))
-        cases.append(
-            plate(
-                solver,
-                one.mass_ratio,
-                one.speed,
-                3,
-                f"motion.frequency={frequency}",
-                f"time.periods={beats}",
-                f"time.steps_per_period={steps}",
-                f"motion.plunge.amplitude={SMALL}",
-                "motion.plunge.phase_deg=90.0",
-                "motion.start_up_periods=3.0",
-                "uvlm.wake=1600",
-            )  # fmt: skip
-        )
+        driven = (
+            f"motion.frequency={frequency}", f"time.periods={beats}", f"time.steps_per_period={steps}",
+            f"motion.plunge.amplitude={SMALL}", "motion.plunge.phase_deg=90.0", "motion.start_up_periods=3.0",
+            "uvlm.wake=1000",
+        )  # fmt: skip
+        cases.append(plate(solver, one.mass_ratio, one.speed, 3, *driven))
     return [_response(case, history) for case, history in zip(cases, run(cases), strict=True)]
 
 
@@ -152,8 +143,8 @@ def elastic_plate(settings: Sequence[Setting] = POINTS) -> Check:
         "elastic-plate",
         "An elastic plate that heaves in a stream",
         "The exact linear solution: Wu's loads (J. Fluid Mech. 10, 1961) on an Euler-Bernoulli beam clamped at its "
-        f"leading edge, by 14 polynomials. Amplitude 1e-4 chords, three modes, {STEPS} steps a period, both models with "
-        "their defaults. The points of the figure are numbered as the rows.",
+        f"leading edge, by 14 polynomials. Amplitude 1e-4 chords, three modes, {STEPS} steps a period, both models "
+        "with their defaults. The points of the figure are numbered as the rows.",
         tuple(rows),
         (
             Chart("Tip, amplitude", "Setting, by number", "Error of the amplitude (%)", tuple(tips)),
@@ -210,8 +201,8 @@ def flutter(mass_ratios: Sequence[float] = MASS_RATIOS) -> Check:
         "flutter",
         "Onset of flutter of an elastic plate",
         "The exact linear solution again: the least speed at which the free plate, clamped at its leading edge, "
-        "oscillates steadily. Each model is let go at 0.96, 1 and 1.04 of it, with four modes and no damping; where the "
-        "growth, by a line through the three, is zero is its onset.",
+        "oscillates steadily. Each model is let go at 0.96, 1 and 1.04 of it, with four modes and no damping; its "
+        "onset is where a line through the three rates of growth is zero.",
         tuple(rows),
         (
             Chart(

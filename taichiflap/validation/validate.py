@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from . import orders, oscillation, start, steady, structure
+from . import elastic, orders, oscillation, start, steady, structure
 from .checks import Check, Row
 
 Study = Callable[[], Sequence[Check]]
@@ -15,6 +15,8 @@ STUDIES: tuple[tuple[str, Study], ...] = (
     ("added mass", lambda: [steady.added_mass()]),
     ("modes", lambda: [structure.modes()]),
     ("wet frequency", lambda: [structure.wet_frequency()]),
+    ("elastic plate", lambda: [elastic.elastic_plate()]),
+    ("flutter", lambda: [elastic.flutter()]),
     ("vortices", lambda: [structure.vortices()]),
     ("energy", lambda: [structure.energy()]),
     ("convergence", lambda: [orders.convergence()]),

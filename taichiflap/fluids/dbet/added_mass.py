@@ -39,7 +39,7 @@ def table(case: Case) -> np.ndarray:
 
 
 @ti.func
-def flux_rates(body: View, flow: View, b, n, rule, used: View):
+def flux_rates(body: View, flow: View, b, n, rule, extended: View):
     """Sine coefficients of the rate of the flux `u_z - s u_y` at fixed points of the wing, and for every mode."""
     modes = body.modes[b]
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
@@ -49,7 +49,7 @@ def flux_rates(body: View, flow: View, b, n, rule, used: View):
     accel_z = pivot_heave(body, b, n) - theta_rate * p_y
     for block in range((flow.elements[b] + 7) // 8):
         rate = accel_z + flow.element[b, POSITION, block] * theta_accel
-        if ti.static(used.deformed):
+        if ti.static(extended):
             if flow.option[b, DEFORMED] == 1:
                 w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
                 lean_rate = superpose_octet(flow.shape_slope, body.q_known, b, RATE, block, modes)
@@ -61,7 +61,7 @@ def flux_rates(body: View, flow: View, b, n, rule, used: View):
     for k in range(modes):
         for m in range(TERMS):
             flow.sine[b, k + 1, m] = flow.shape_sine[b, k, m]
-        if ti.static(used.deformed):
+        if ti.static(extended):
             if flow.option[b, DEFORMED] == 1:
                 for block in range((flow.elements[b] + 7) // 8):
                     u_y = p_y + flow.element[b, E_Y, block]

@@ -1,7 +1,7 @@
 """Deformable blade elements: separated, attached and accelerated flow past every element, blended and summed.
 
-Reade & Jankauski (2020), Eqs 17-27, is one setting of it; docs/theory/dbet.md derives the rest. The force per area along
-the normal n of the section is
+Reade & Jankauski (2020), Eqs 17-27, is one setting of it; docs/theory/dbet.md derives the rest. The force per area
+along the normal n of the section is
 
     p = -[sigma (f_n + f_rot) + (1 - sigma) pi rho |u_t| (K u_n + g D)] + p_added,
 
@@ -12,7 +12,6 @@ the expected ones.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -70,24 +69,10 @@ Blades = ti.types.argpack(
 )
 
 
-@dataclass(frozen=True)
-class Uses:
-    """What of the model some case of a batch needs; the kernel holds nothing else, and is ready the sooner."""
-
-    deformed: bool
-    potential: bool
-    attached: bool
-    rotation: bool
-
-
-def uses(cases: Sequence[Case]) -> Uses:
-    """What a batch needs of the model."""
-    return Uses(
-        deformed=any(case.dbet.frame == "deformed" for case in cases),
-        potential=any(case.dbet.added_mass == "potential" for case in cases),
-        attached=any(case.dbet.attached for case in cases),
-        rotation=any(case.dbet.rotation for case in cases),
-    )
+def extends(case: Case) -> bool:
+    """Whether a case needs more than the paper's model; a kernel of which no case does holds that alone."""
+    dbet = case.dbet
+    return dbet.frame == "deformed" or dbet.added_mass == "potential" or dbet.attached or dbet.rotation > 0.0
 
 
 def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
@@ -126,7 +111,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         work=zeros(ti.f64, count, 1, COEFFICIENTS),
         lag=zeros(ti.f64, count, 7),
     )
-    return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record, uses=uses(cases))
+    return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record, uses=any(map(extends, cases)))
 
 
 def _options(case: Case) -> list[int]:
@@ -158,11 +143,11 @@ def _settings(case: Case) -> list[float]:
 
 
 @ti.func
-def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
+def blend(body: View, flow: View, b, n, mean_n, mean_t, extended: View):
     """Give attached flow its share, and separated flow the force of rotation."""
     speed = ti.sqrt(mean_n * mean_n + mean_t * mean_t)
     share = 1.0
-    if ti.static(used.attached):
+    if ti.static(extended):
         if flow.option[b, ATTACHED] == 1:
             share = attached.separate(flow, b, mean_n, mean_t)
             flow.lag[b, SEPARATED] = share
@@ -174,7 +159,7 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
     for block in range((flow.elements[b] + 7) // 8):
         flow.element[b, TRACTION, block] = share * (flow.element[b, TRACTION, block] + turning)
         flow.element[b, SLOPE, block] = share * flow.element[b, SLOPE, block]
-        if ti.static(used.attached):
+        if ti.static(extended):
             u_t = flow.element[b, U_T, block]
             along = ti.sqrt(u_t * u_t)
             friction = flow.setting[b, FRICTION] * ti.sqrt(along) * u_t
@@ -185,24 +170,24 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
 
 
 @ti.func
-def prepare(batch: View, b, n, rule, used: View):
+def prepare(batch: View, b, n, rule, extended: View):
     """Modal force of the coming step `n`."""
-    mean_n, mean_t = separated.linearise(batch.body, batch.flow, b, n, used)
-    if ti.static(used.attached or used.rotation):
-        blend(batch.body, batch.flow, b, n, mean_n, mean_t, used)
-    if ti.static(used.potential):
+    mean_n, mean_t = separated.linearise(batch.body, batch.flow, b, n, extended)
+    if ti.static(extended):
+        blend(batch.body, batch.flow, b, n, mean_n, mean_t, extended)
+    if ti.static(extended):
         if batch.flow.option[b, POTENTIAL] == 1:
-            added_mass.flux_rates(batch.body, batch.flow, b, n, rule, used)
-    if ti.static(used.attached):
+            added_mass.flux_rates(batch.body, batch.flow, b, n, rule, extended)
+    if ti.static(extended):
         if batch.flow.option[b, ATTACHED] == 1:
             attached.lift(batch.body, batch.flow, b, rule)
-    loads.load_modes(batch.body, batch.flow, b, rule, used)
+    loads.load_modes(batch.body, batch.flow, b, rule, extended)
 
 
 @ti.func
-def settle(batch: View, b, n, rule, used: View):
+def settle(batch: View, b, n, rule, extended: View):
     """Forces of step `n` once its modal acceleration is known."""
-    loads.sum_forces(batch.body, batch.flow, b, n, used)
+    loads.sum_forces(batch.body, batch.flow, b, n, extended)
 
 
 @ti.func

@@ -45,7 +45,7 @@ from .separated import axial_force, kept_share
 
 
 @ti.func
-def load_modes(body: View, flow: View, b, rule, used: View):
+def load_modes(body: View, flow: View, b, rule, extended: View):
     """Modal force and its response to the modal acceleration.
 
     The forces of separated flow enter with their slope (never negative with the full speed: blades damp); added mass
@@ -59,7 +59,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
             ahead = known_rate - flow.element[b, W_RATE, block]
             traction = flow.element[b, TRACTION, block] + flow.element[b, SLOPE, block] * ahead
             traction += flow.setting[b, STRIP] * flow.element[b, FLUX_RATE, block]
-            if ti.static(used.deformed):
+            if ti.static(extended):
                 traction += flow.element[b, LEAN, block] * flow.element[b, SHEARING, block]
             load = load - flow.shape[b, j, block] * flow.element[b, AREA, block] * traction
         body.load[b, j] = load.sum()
@@ -70,12 +70,12 @@ def load_modes(body: View, flow: View, b, rule, used: View):
                 weight = flow.shape[b, j, block] * flow.element[b, AREA, block]
                 response = response - weight * inertia * flow.shape[b, k, block]
             body.response[b, j, k] = response.sum()
-        if ti.static(used.potential):
+        if ti.static(extended):
             if flow.option[b, POTENTIAL] == 1:
                 for m in range(TERMS):
                     share = 2.0 * flow.setting[b, HALF_DENSITY] * flow.shape_sine[b, j, m]
                     add_column(body, flow.sine, b, j, m, share)
-        if ti.static(used.attached):
+        if ti.static(extended):
             if flow.option[b, ATTACHED] == 1 and flow.lag[b, SEPARATED] < 1.0:
                 for block in range((flow.elements[b] + 7) // 8):
                     weight = flow.shape[b, j, block] * flow.element[b, AREA, block]
@@ -102,16 +102,16 @@ def settle_coefficients(body: View, coefficient: View, b, terms):
 
 
 @ti.func
-def settle_flow(body: View, flow: View, b, used: View):
-    """Take the coefficients of the flux and of u_n to the acceleration that the step has come to, and the lag with them.
+def settle_flow(body: View, flow: View, b, extended: View):
+    """Take the coefficients, and the lag, to the acceleration that the step has come to.
 
     Returns whether some flow is attached.
     """
     lifting = 0
-    if ti.static(used.potential):
+    if ti.static(extended):
         if flow.option[b, POTENTIAL] == 1:
             settle_coefficients(body, flow.sine, b, TERMS)
-    if ti.static(used.attached):
+    if ti.static(extended):
         if flow.option[b, ATTACHED] == 1:
             settle_coefficients(body, flow.cosine, b, COEFFICIENTS)
             attached.remember(flow, b, flow.cosine[b, 0, COEFFICIENTS - 1])
@@ -120,11 +120,11 @@ def settle_flow(body: View, flow: View, b, used: View):
 
 
 @ti.func
-def sum_forces(body: View, flow: View, b, n, used: View):
+def sum_forces(body: View, flow: View, b, n, extended: View):
     """Forces with the modal rates and accelerations that the step has come to."""
     modes = body.modes[b]
     p_y, _ = pivot_velocity(body, flow.stream, b, n)
-    lifting = settle_flow(body, flow, b, used)
+    lifting = settle_flow(body, flow, b, extended)
     total_normal = Octet(0.0)
     total_axial = Octet(0.0)
     total_moment = Octet(0.0)
@@ -143,14 +143,14 @@ def sum_forces(body: View, flow: View, b, n, used: View):
         ahead = w_rate - flow.element[b, W_RATE, block]
         unsteady = -flow.setting[b, STRIP] * (flow.element[b, FLUX_RATE, block] + w_accel)
         blades = flow.element[b, TRACTION, block] + flow.element[b, SLOPE, block] * ahead
-        if ti.static(used.potential):
+        if ti.static(extended):
             if flow.option[b, POTENTIAL] == 1:
                 unsteady = added_mass.force(flow, b, block) / (-1.0 * (area + TINY))
-        if ti.static(used.attached):
+        if ti.static(extended):
             if lifting == 1:
                 blades += flow.element[b, LIFTED, block] * attached.operate(flow, b, block)
         normal = unsteady - blades
-        if ti.static(used.deformed or used.attached):
+        if ti.static(extended):
             if flow.option[b, DEFORMED] + flow.option[b, ATTACHED] > 0:
                 lean = flow.element[b, LEAN, block]
                 shearing = flow.element[b, SHEARING, block]
@@ -166,7 +166,7 @@ def sum_forces(body: View, flow: View, b, n, used: View):
     body.force[b, AXIAL] = total_axial.sum()
     body.force[b, MOMENT] = total_moment.sum()
     body.force[b, UNSTEADY] = total_unsteady.sum()
-    if ti.static(used.attached):
+    if ti.static(extended):
         if lifting == 1:  # the clamped nose does not tilt: along e_y, through the pivot's axis
             around = flow.cosine[b, 0, 0]
             suction = (1.0 - flow.lag[b, SEPARATED]) * flow.setting[b, SUCTION] * around * around

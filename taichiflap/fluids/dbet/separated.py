@@ -86,7 +86,7 @@ def kept_share(r_y, r_z, e_y, e_z):
 
 
 @ti.func
-def linearise(body: View, flow: View, b, n, used: View):
+def linearise(body: View, flow: View, b, n, extended: View):
     """Motion of the elements, and the forces of separated flow on them, about the expected rates (Eqs 6-7, 17-27).
 
     Returns the means over the chord of u_n and u_t.
@@ -107,7 +107,7 @@ def linearise(body: View, flow: View, b, n, used: View):
         u_y = p_y + e_y
         u_z = r_z + w_rate
         u_t, u_n = u_y, u_z
-        if ti.static(used.deformed):
+        if ti.static(extended):
             if flow.option[b, DEFORMED] == 1:
                 lean = superpose_octet(flow.shape_slope, body.q_guess, b, AMPLITUDE, block, modes)
                 stretch = 1.0 / ti.sqrt(1.0 + lean * lean)
@@ -117,7 +117,7 @@ def linearise(body: View, flow: View, b, n, used: View):
                 flow.element[b, STRETCH, block] = stretch
         traction = normal_force(flow, b, u_t, u_n)
         slope = normal_slope(flow, b, u_t, u_n)
-        if ti.static(used.deformed):
+        if ti.static(extended):
             if flow.option[b, DEFORMED] == 1:
                 stretch = flow.element[b, STRETCH, block]
                 lean = flow.element[b, LEAN, block]
@@ -134,7 +134,7 @@ def linearise(body: View, flow: View, b, n, used: View):
         flow.element[b, TRACTION, block] = traction
         flow.element[b, SLOPE, block] = slope
         flow.element[b, FLUX_RATE, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
-        if ti.static(used.deformed or used.attached):
+        if ti.static(extended):
             flow.element[b, SHEARING, block] = axial_force(flow, b, u_t, u_n)
         mean_n += flow.element[b, SHARE, block] * u_n
         mean_t += flow.element[b, SHARE, block] * u_t
