@@ -114,8 +114,9 @@ def wet_frequency(steps: Sequence[int] = (50, 100, 200, 400)) -> Check:
         f"The paper's wing, one undamped mode, let go in still air from a deflection of 2e-8 chords; {steps[at]} steps "
         "of 1/80 s in the rows, blades without drag. The paper gives every strip the added mass of the whole plate, so "
         f"that f/√(1 + µ) = {strips:.2f} Hz holds exactly; potential flow about the first mode, without circulation, "
-        f"gives {plate:.2f} Hz, which the blades' default and the lattice are compared with. What the lattice sheds at this amplitude stands at its "
-        "trailing edge, so that wing and wake together have no circulation.",
+        f"gives {plate:.2f} Hz, which the blades' default and the lattice are compared with. What the "
+        "lattice sheds at this amplitude stands at its trailing edge, so that wing and wake together have no "
+        "circulation.",
         tuple(rows),
         (Chart("Error against the time step", "Steps of 1/80 s", "Error of the frequency (%)", tuple(curves), "xy"),),
     )
