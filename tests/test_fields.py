@@ -35,7 +35,9 @@ def test_the_numbers_of_coarse_frames():
     """The hawkmoth's blades, eight beats of 200 steps: the numbers that go with every step stored."""
     for every in (50, 200):
         summary = taichiflap.summarise(
-            taichiflap.simulate(hawkmoth("solver=dbet", "time.periods=8", f"output.every={every}"))
+            taichiflap.simulate(
+                hawkmoth("solver=dbet", "dbet.added_mass=true", "time.periods=8", f"output.every={every}")
+            )
         )
         assert summary.tip_peak.mean == pytest.approx(7.613e-3, rel=1e-3)
         assert summary.power.mean == pytest.approx(42.44e-3, rel=1e-3)
