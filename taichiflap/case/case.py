@@ -70,6 +70,22 @@ class Case(Section):
     output: Output = section(Output)
 
     @model_validator(mode="after")
+    def _moved(self) -> "Case":
+        """Plunge, pitch and surge of measured angles."""
+        measured, frequency = self.motion.measured, self.motion.frequency
+        if measured and frequency:
+            from ..motion import measured as angles  # noqa: PLC0415 - only measured angles need it
+
+            if problem := measured.problem(frequency) or angles.problem(measured, frequency):
+                raise ValueError(f"motion.measured: {problem}")
+            span = self.wing.span if isinstance(self.wing.span, float) else max(value for _, value in self.wing.span)
+            # What follows from the angles is not among the keys that were given.
+            moved = self.motion.model_copy()
+            moved.__dict__.update(angles.travels(measured, frequency, span))
+            self.__dict__["motion"] = moved
+        return self
+
+    @model_validator(mode="after")
     def _in_time(self) -> "Case":
         if self.motion.frequency is None and self.time.periods is not None:
             raise needed("motion.frequency", "without one, give time.duration and time.step in the place of periods")

@@ -4,8 +4,18 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
+from .measured import Measured
 from .schema import Section, key, needed
 from .tables import TablePitch, TablePlunge
 from .travel import HARMONICS, AngleHarmonics, LengthHarmonics, Travel
@@ -151,6 +161,7 @@ class Motion(Section):
     plunge: Plunge = Field(default_factory=HarmonicPlunge, description="plunge along Z")
     pitch: Pitch = Field(default_factory=HarmonicPitch, description="pitch about the pivot")
     surge: Plunge = Field(default_factory=HarmonicPlunge, description="surge along Y, which points down")
+    measured: Measured | None = Field(None, description="measured angles, in the place of plunge, pitch and surge")
     start_up: float | None = key(
         None,
         unit="s",
@@ -165,13 +176,21 @@ class Motion(Section):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Motion":
+        if self.measured and self.model_fields_set & {"plunge", "pitch", "surge"}:
+            raise ValueError("give plunge, pitch and surge, or measured, not both")
         if self.frequency is None and (
-            self.plunge.repeats or self.pitch.repeats or self.surge.repeats or self.start_up_periods
+            self.measured or self.plunge.repeats or self.pitch.repeats or self.surge.repeats or self.start_up_periods
         ):
             raise needed("frequency", "something here repeats")
         if self.start_up and self.start_up_periods:
             raise ValueError("give start_up or start_up_periods, not both")
         return self
+
+    @model_serializer(mode="wrap")
+    def _without_what_follows(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Of measured motion the angles alone: plunge, pitch and surge follow from them."""
+        dumped: dict[str, Any] = whole(self)
+        return {k: v for k, v in dumped.items() if k not in ("plunge", "pitch", "surge")} if self.measured else dumped
 
     @property
     def growth(self) -> float:

@@ -2,11 +2,11 @@
 
 import itertools
 import math
-import statistics
 from typing import Any, Literal
 
 from pydantic import model_validator
 
+from .clock import COUNTS, looks_like, period, spacing
 from .schema import key
 from .travel import AnglePoints, LengthPoints, Travel
 
@@ -17,13 +17,10 @@ ENDS = 1e-3
 """Ends of a period that differ by this share of the range of its values are one value, written with few digits."""
 LEAST_SHARE = 0.45
 """A periodic table that covers less of the period is not in the unit of time that it is taken for."""
-ALIKE = 0.15
-"""A span that is this near to a round one looks like it."""
 Points = tuple[tuple[float, float], ...]
 
 POINTS = "points [time, value] to pass through; times in s, or in periods if periodic, unless time says otherwise"
 SMOOTH_ERROR = "root mean square error allowed of a curve of as few harmonics as possible, in the place of smooth"
-COUNTS = {"s": "s", "ms": "ms", "periods": "fractions of the period"}
 
 
 class Table(Travel):
@@ -65,14 +62,14 @@ class Table(Travel):
 
     def period(self, frequency: float | None) -> float:
         """A period (of `frequency`, Hz) in the unit of its times."""
-        return 1.0 if self.clock == "periods" else {"s": 1.0, "ms": 1e3}[self.clock] / (frequency or math.nan)
+        return period(self.clock, frequency)
 
     def _in_time(self, points: Points, frequency: float | None) -> Points:
         """Points with times in s, or in periods if it is periodic, without a last one that is the first again."""
         if self.periodic:
-            period = self.period(frequency)
-            points = points[:-1] if _closes(points, period) else points
-            return points if period == 1.0 else tuple((time / period, value) for time, value in points)
+            length = self.period(frequency)
+            points = points[:-1] if _closes(points, length) else points
+            return points if length == 1.0 else tuple((time / length, value) for time, value in points)
         scale = {"s": 1.0, "ms": 1e3, "periods": frequency or math.nan}[self.clock]
         return points if scale == 1.0 else tuple((time / scale, value) for time, value in points)
 
@@ -117,41 +114,25 @@ class Table(Travel):
         return self._problem_of_period(frequency) if self.periodic else self._problem_of_run(frequency, duration)
 
     def _problem_of_period(self, frequency: float | None) -> str:
-        points, period = self.given, self.period(frequency)
+        points, length = self.given, self.period(frequency)
         first, last = points[0][0], points[-1][0]
-        span, spacing = last - first, _spacing(points)
-        if span - period > SEAM * spacing or span + spacing < LEAST_SHARE * period:
+        times = [time for time, _ in points]
+        span, usual = last - first, spacing(times)
+        if span - length > SEAM * usual or span + usual < LEAST_SHARE * length:
             return (
                 f"its times are {COUNTS[self.clock]}, and they go from {first:g} to {last:g}: "
-                f"{span / period:.3g} periods in the place of about one{self._looks_like(span, spacing, frequency)}"
+                f"{span / length:.3g} periods in the place of about one{looks_like(times, self.clock, frequency)}"
             )
         (_, begin), (_, end) = points[0], points[-1]
-        if _closes(points, period) and not self.smoothed:
+        if _closes(points, length) and not self.smoothed:
             values = [value for _, value in points]
             slope = max(abs((v - u) / (t - s)) for (s, u), (t, v) in itertools.pairwise(points))
-            if abs(end - begin) > ENDS * (max(values) - min(values)) + 2.0 * slope * abs(span - period):
+            if abs(end - begin) > ENDS * (max(values) - min(values)) + 2.0 * slope * abs(span - length):
                 return (
                     f"is periodic and begins with {begin:g}, but ends with {end:g}; "
                     "make them equal, or smooth the points: smooth = 8"
                 )
         return ""
-
-    def _looks_like(self, span: float, spacing: float, frequency: float | None) -> str:
-        """The cure for times that cover something else than a period."""
-        points = self.given
-        for unit in ("s", "ms", "periods"):
-            there = self.model_copy(update={"time": unit}).period(frequency)
-            if unit != self.clock and _near(span, spacing, there):
-                return f'; they look like {COUNTS[unit] if unit == "periods" else unit}: give time = "{unit}"'
-        if all(late - early == 1.0 for (early, _), (late, _) in itertools.pairwise(points)):
-            return "; they look like numbers of rows: give time_column, the number or name of the column of the time"
-        for name, round_one in (("percent of the period", 100.0), ("degrees of phase", 360.0), ("radians", math.tau)):
-            if _near(span, spacing, round_one):
-                return f"; they look like {name}: divide them by {round_one:.6g}"
-        beats = span / self.period(frequency)
-        if beats > 1.5 and abs(beats - round(beats)) < ALIKE:
-            return f"; they look like {round(beats)} beats: give one of them"
-        return f"; check them, their unit (time = ...) and motion.frequency = {frequency:g} Hz"
 
     def _problem_of_run(self, frequency: float | None, duration: float) -> str:
         points = self._in_time(self.given, frequency)
@@ -207,16 +188,6 @@ class TablePitch(Table):
         return self._arguments(tuple((time, math.radians(value)) for time, value in points))
 
 
-def _closes(points: Points, period: float) -> bool:
+def _closes(points: Points, length: float) -> bool:
     """Whether the last point is the first again, a period later."""
-    return points[-1][0] - points[0][0] > period - SEAM * _spacing(points)
-
-
-def _spacing(points: Points) -> float:
-    """The usual time between points."""
-    return statistics.median(late - early for (early, _), (late, _) in itertools.pairwise(points))
-
-
-def _near(span: float, spacing: float, period: float) -> bool:
-    """Whether points over a span, with or without the last, are about those of a period."""
-    return span < (1.0 + ALIKE) * period and span + spacing > (1.0 - ALIKE) * period
+    return points[-1][0] - points[0][0] > length - SEAM * spacing([time for time, _ in points])

@@ -12,6 +12,14 @@ POINTS = {"plunge": "points", "pitch": "points_deg", "surge": "points"}
 """The key of each motion's points."""
 OF_FILE = ("file", "column", "time_column", "unit")
 """Keys of a table that say how its points are read; a case that has been read holds the points in their place."""
+OF_ANGLES = ("file", "time_column", "stroke", "deviation", "rotation", "unit")
+"""The same of measured angles."""
+CALLED = {
+    "stroke": ("stroke", "positional", "position", "phi", "φ", "ϕ", "sweep", "flap", "flapping"),
+    "deviation": ("deviation", "elevation", "theta", "θ", "ϑ", "dev"),
+    "rotation": ("rotation", "pitch", "alpha", "α", "feathering", "psi", "ψ", "attack", "aoa", "rot"),
+}
+"""What the columns of angles are called."""
 TIMES = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "ms": "ms", "msec": "ms", "milliseconds": "ms"}
 TIMES |= dict.fromkeys(("-", "t/t", "period", "periods", "beat", "beats", "cycle", "cycles"), "periods")
 LENGTHS = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "cm": 1e-2, "mm": 1e-3}
@@ -53,24 +61,24 @@ def with_points(document: Mapping[str, Any], folder: Path) -> tuple[dict[str, An
         return dict(document), Origin(folder)
     read, origins = {}, {}
     sheets: dict[str, list[Column]] = {}
-    for name, key in POINTS.items():
+    for name, key in (*POINTS.items(), ("measured", "angles_deg")):
         table = motion.get(name)
-        if not isinstance(table, Mapping) or table.get("kind") != "table":
+        if not isinstance(table, Mapping) or not (table.get("kind") == "table" or name == "measured"):
             continue
-        given = {k: table[k] for k in OF_FILE if k in table}
+        given = {k: table[k] for k in of_file(name) if k in table}
         if not isinstance(table.get("file"), str):
             lonely = next((k for k in given if k != "file"), None)
             if lonely:
                 raise PointsError(f'motion.{name}.{lonely} = {_shown(given[lonely])}: of what file? give file = "..."')
             continue
-        rest = {k: v for k, v in table.items() if k not in OF_FILE}
+        rest = {k: v for k, v in table.items() if k not in of_file(name)}
         if key in rest:
             raise PointsError(f"motion.{name}: has both {key} and a file; give one")
         file = given["file"]
         try:
             if file not in sheets:
                 sheets[file] = read_columns(folder / file)
-            read[name] = rest | _points(name, table, sheets[file])
+            read[name] = rest | (_angles if name == "measured" else _points)(name, table, sheets[file])
         except ColumnsError as error:
             raise PointsError(f'motion.{name}.file = "{file}": {error}') from None
         origins[name] = given
@@ -85,9 +93,15 @@ def reopened(motion: dict[str, Any], keys: Collection[str], origin: Origin) -> d
     """
     opened = dict(motion)
     for name, given in origin.tables.items():
-        if any(f"motion.{name}.{k}" in keys for k in OF_FILE) and isinstance(opened.get(name), dict):
-            opened[name] = {k: v for k, v in opened[name].items() if k != POINTS[name]} | given
+        if any(f"motion.{name}.{k}" in keys for k in of_file(name)) and isinstance(opened.get(name), dict):
+            points = POINTS.get(name, "angles_deg")
+            opened[name] = {k: v for k, v in opened[name].items() if k != points} | given
     return opened
+
+
+def of_file(name: str) -> tuple[str, ...]:
+    """The keys that say how a motion, or the measured angles, are read from a file."""
+    return OF_ANGLES if name == "measured" else OF_FILE
 
 
 def read_points(path: Path, which: int | str, unit: str | None = None) -> list[list[float]]:
@@ -111,11 +125,55 @@ def _points(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[
         POINTS[name]: [[time, scale * value] for time, value in zip(times.numbers(), values.numbers(), strict=True)]
     }
     usual = "periods" if table.get("periodic") is True else "s"
-    unit = TIMES.get(plain(times.unit) or plain(times.name), usual) if "time" not in table else usual
-    if times.unit and "time" not in table and plain(times.unit) in FOREIGN:
-        raise ColumnsError(f"{times} has its times in {times.unit}; give them in s, ms or periods")
+    unit = _clock(times) if "time" not in table else ""
     # A share of a beat, "-", is no unit of what does not repeat.
-    return found | ({"time": unit} if unit not in (usual, "periods") else {})
+    return found | ({"time": unit} if unit not in ("", usual, "periods") else {})
+
+
+def _angles(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[str, Any]:
+    """Measured angles, and the unit of their times where the file gives one."""
+    times = _time_column(table, columns)
+    chosen = _angle_columns(table, columns, times)
+    found = [times.numbers()]
+    for one in chosen:
+        scale = ANGLES[_unit(one, table.get("unit"), ANGLES, "an angle")] if one else 0.0
+        found.append([scale * value for value in one.numbers()] if one else [0.0] * len(found[0]))
+    unit = _clock(times) if "time" not in table else ""
+    return {"angles_deg": [list(row) for row in zip(*found, strict=True)]} | ({"time": unit} if unit else {})
+
+
+def _angle_columns(table: Mapping[str, Any], columns: list[Column], times: Column) -> list[Column | None]:
+    """The columns of stroke, deviation (None where there is none) and rotation."""
+    others = [one for one in columns if one is not times]
+    named = {angle: [one for one in others if bare(one.name) in CALLED[angle]] for angle in CALLED}
+    order = dict(zip(CALLED if len(others) == len(CALLED) else ("stroke", "rotation"), others, strict=False))
+    called = any(named.values())
+    found: dict[str, Column | None] = {}
+    for angle in CALLED:
+        if angle in table:
+            found[angle] = column(columns, _whole(angle, table[angle]))
+        elif called or len(others) > len(CALLED):
+            found[angle] = named[angle][0] if named[angle] else None
+        else:
+            found[angle] = order.get(angle)
+        if found[angle] is None and angle != "deviation":
+            names = ", ".join(f"{one.number}: {one.name}" if one.name else str(one.number) for one in columns)
+            raise ColumnsError(f"which column is {angle}? Its columns are {names}; give {angle} = a number or name")
+    chosen = [one.number for one in found.values() if one]
+    if len({times.number, *chosen}) <= len(chosen):
+        raise ColumnsError(
+            "one column serves twice: time "
+            + ", ".join([str(times.number), *(f"{angle} {one.number}" for angle, one in found.items() if one)])
+            + "; give the number or name of each"
+        )
+    return list(found.values())
+
+
+def _clock(times: Column) -> str:
+    """The unit of the times that the file gives, or nothing."""
+    if plain(times.unit) in FOREIGN:
+        raise ColumnsError(f"{times} has its times in {times.unit}; give them in s, ms or periods")
+    return TIMES.get(plain(times.unit) or plain(times.name), "")
 
 
 def _time_column(table: Mapping[str, Any], columns: list[Column]) -> Column:

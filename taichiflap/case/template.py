@@ -35,7 +35,7 @@ def commented_case() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _keys(model: type[BaseModel], prefix: str) -> Iterator[str]:
+def _keys(model: type[BaseModel], prefix: str, left_out: str = "") -> Iterator[str]:
     nested = []
     for key, field in model.model_fields.items():
         found = sections(field)
@@ -43,14 +43,14 @@ def _keys(model: type[BaseModel], prefix: str) -> Iterator[str]:
         if len(found) > 1:
             yield from _kinds(key, path, found)
         elif found:
-            nested.append((path, found[0]))
+            nested.append((path, found[0], "# " if field.default is None else ""))
         else:
-            hidden = "# " if field.default is None and path not in EXAMPLE else ""
+            hidden = left_out or ("# " if field.default is None and path not in EXAMPLE else "")
             yield _commented(f"{hidden}{key} = {_toml(_example(path, field))}", model, key, field)
-    for path, section in nested:
+    for path, section, hidden in nested:
         yield ""
-        yield f"[{path}]  # {first_line(section).rstrip('.')}"
-        yield from _keys(section, f"{path}.")
+        yield f"{hidden}[{path}]  # {first_line(section).rstrip('.')}"
+        yield from _keys(section, f"{path}.", hidden)
 
 
 def _kinds(key: str, path: str, models: list[type[BaseModel]]) -> Iterator[str]:

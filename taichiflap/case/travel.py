@@ -13,22 +13,23 @@ MOST_HARMONICS = 100
 def _terms(value: Any) -> Any:
     if isinstance(value, list) and len(value) > MOST_HARMONICS:
         raise ValueError(f"has {len(value):,} terms; at most {MOST_HARMONICS}, or a table of points")
-    return _rows(value)
+    return rows(value)
 
 
-def _rows(value: Any) -> Any:
+def rows(value: Any) -> Any:
+    """A file's list of lists as the tuples that an immutable section holds."""
     return tuple(as_tuple(row) for row in value) if isinstance(value, list) else value
 
 
 _Order = Annotated[int, Field(ge=1, le=100, title="n")]
 _Phase = Annotated[float, Field(ge=-360, le=360, title="phase_deg")]
 _Length = Annotated[float, Field(ge=-100, le=100, title="m")]
-_Angle = Annotated[float, Field(ge=-360, le=360, title="deg")]
-_Moment = Annotated[float, Field(ge=-1e6, le=1e6, title="time")]
+Angle = Annotated[float, Field(ge=-360, le=360, title="deg")]
+Moment = Annotated[float, Field(ge=-1e6, le=1e6, title="time")]
 LengthHarmonics = Annotated[tuple[tuple[_Order, _Length, _Phase], ...], BeforeValidator(_terms)]
-AngleHarmonics = Annotated[tuple[tuple[_Order, _Angle, _Phase], ...], BeforeValidator(_terms)]
-LengthPoints = Annotated[tuple[tuple[_Moment, _Length], ...], BeforeValidator(_rows)]
-AnglePoints = Annotated[tuple[tuple[_Moment, _Angle], ...], BeforeValidator(_rows)]
+AngleHarmonics = Annotated[tuple[tuple[_Order, Angle, _Phase], ...], BeforeValidator(_terms)]
+LengthPoints = Annotated[tuple[tuple[Moment, _Length], ...], BeforeValidator(rows)]
+AnglePoints = Annotated[tuple[tuple[Moment, Angle], ...], BeforeValidator(rows)]
 
 HARMONICS = "more terms, each [n, amplitude, phase_deg] of sin(2 pi n frequency t + phase)"
 

@@ -7,10 +7,12 @@ from typing import Any
 
 from .. import fluids
 from ..case.case import Case
+from ..case.measured import Measured
 from ..case.motion import HarmonicPlunge, Motion
 from ..case.travel import Travel
 from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
 from ..motion import fourier
+from ..motion import measured as angles
 from ..notation import prefixed, printable
 from ..results.reader import Result
 from ..structure.chordwise import Profile
@@ -169,9 +171,21 @@ def _motion(case: Case) -> str:
         steps = f"{case.steps} steps of {case.step:.4g} s"
     else:
         steps = f"{time.periods} beats of {case.steps_per_beat:g} steps"
+    if motion.measured:
+        return f"{rate}{_measured(motion.measured, motion.frequency or 0.0)}, {steps}"
     plunge, pitch = _travel(motion, motion.plunge, "m"), _travel(motion, motion.pitch, "deg")
     surge = f", surge {_travel(motion, motion.surge, 'm')}" if motion.surge != HarmonicPlunge() else ""
     return f"{rate}plunge {plunge}, pitch {pitch}{surge}, {steps}"
+
+
+def _measured(measured: Measured, frequency: float) -> str:
+    """How far the measured angles go, how near their harmonics come, and how alike the beats are."""
+    found = []
+    for name, fit in angles.fits(measured, frequency).items():
+        low, high = fit.reach
+        spread = "" if fit.spread is None else f", spread {fit.spread:.2g}"
+        found.append(f"{name} {low:.3g} to {high:.3g} deg (residual {fit.series.residual:.2g}{spread})")
+    return f"{', '.join(found)}, {measured.smooth} harmonics"
 
 
 def _travel(motion: Motion, axis: Travel, unit: str) -> str:
