@@ -43,7 +43,10 @@ def _keys(model: type[BaseModel], prefix: str, left_out: str = "") -> Iterator[s
         if len(found) > 1:
             yield from _kinds(key, path, found)
         elif found:
-            nested.append((path, found[0], "# " if field.default is None else ""))
+            hidden = "# " if field.default is None else ""
+            if hidden and prefix:
+                yield f"{hidden}{key} = {{ ... }}  # {field.description}: the table [{path}] below"
+            nested.append((path, found[0], hidden))
         else:
             hidden = left_out or ("# " if field.default is None and path not in EXAMPLE else "")
             yield _commented(f"{hidden}{key} = {_toml(_example(path, field))}", model, key, field)
