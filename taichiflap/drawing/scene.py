@@ -45,6 +45,7 @@ class Frame:
         wing: positions of the nodes on the page, m, shape (nodes, 2).
         wake: positions of the wake vortices on the page, m, oldest first, shape (vortices, 2).
         circulation: theirs, m2/s.
+        age: time since each was shed, beats.
         force: fluid force on the page, N, shape (2,).
         traction: fluid force per area on the page at the middles of the panels, Pa, shape (panels, 2).
     """
@@ -53,6 +54,7 @@ class Frame:
     wing: Array
     wake: Array
     circulation: Array
+    age: Array
     force: Array
     traction: Array
 
@@ -146,6 +148,7 @@ def frame(result: Result, index: int) -> Frame:
         wing=on_page(nodes[:, 0], nodes[:, 1]),
         wake=on_page(wake["y"], wake["z"]),
         circulation=np.asarray(wake["circulation"], dtype=float),
+        age=(float(result.case.step_of(range(result.frames)[index])) - wake["birth"]) / result.case.steps_per_beat,
         force=on_page(result.frame("force_y", index), result.frame("force_z", index)),
         traction=on_page(
             axial * math.cos(pitch) - normal * math.sin(pitch), axial * math.sin(pitch) + normal * math.cos(pitch)
@@ -165,7 +168,7 @@ def bounds(frames: list[Frame], case: Case) -> Bounds:
     near = ((wake > wings.min(axis=0) - far) & (wake < wings.max(axis=0) + far)).all(axis=1)
     wake, circulation = wake[near], np.concatenate([f.circulation for f in frames])[near]
     # Of the last beat: what a full wake has absorbed is many times as strong as what a wing sheds.
-    limit = symmetric_limit(np.concatenate([f.circulation[-round(case.steps_per_beat) :] for f in frames]))
+    limit = symmetric_limit(np.concatenate([f.circulation[f.age < 1.0] for f in frames]))
     if len(wake):
         shown.append(np.quantile(wake, (OUTLYING, 1.0 - OUTLYING), axis=0))
     else:
