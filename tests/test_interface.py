@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import xarray
 from conftest import hawkmoth
+from taichiflap_viewer import charts
+from taichiflap_viewer.frames import Run
 
 import taichiflap
 from taichiflap import fluids
@@ -126,6 +128,19 @@ def test_what_a_model_declares_is_stored_and_read_back(spring, every, tmp_path):
         assert chain.link.dims == ("place",)
 
 
+def test_the_viewer_charts_what_only_the_model_knows(spring):
+    run = Run(taichiflap.simulate(hawkmoth(*SHORT, spring)), "run")
+    shown = {one.name: one for one in charts.quantities([run])}
+    assert (shown["stretch"].title, shown["stretch"].unit) == ("How far the spring is stretched", "m")
+    assert "square" in shown
+    assert "ramp" not in shown
+    times, values = run.series("square", 0, 20, 100)
+    np.testing.assert_array_equal(values, run.result.square)
+    assert not run.draws_flow
+    assert run.velocity(0) is None
+    run.close()
+
+
 def test_alone_or_beside_a_case_of_another_size_it_stores_the_same(spring):
     cases = [hawkmoth(*SHORT, spring, f"numbers={{count={count}}}", "output.every=7") for count in (2, 5)]
     for case, together in zip(cases, taichiflap.simulate(cases), strict=True):
@@ -210,7 +225,7 @@ ASKED = re.compile(r"\bsolver\s*(==|!=|in\b)")
 def test_nothing_outside_a_fluid_model_asks_which_one_it_is():
     """No comparison with a solver's name, and no look into a model's table, outside the models themselves."""
     found = []
-    for folder in ("taichiflap",):
+    for folder in ("taichiflap", "viewer"):
         for file in sorted((ROOT / folder).rglob("*.py")):
             where = file.relative_to(ROOT / folder).as_posix()
             if folder == "taichiflap" and (where.split("/")[0] in OWN or where in TABLES):

@@ -1,6 +1,7 @@
 """Curves over time beside the scene, each with its unit and a dot at the frame that the scene shows."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -64,7 +65,18 @@ def quantities(runs: list[Run]) -> list[Quantity]:
         *(Quantity(name, title, newtons, force) for name, title in shown),
         Quantity("power", "Mechanical power", watts, power),
     ]
-    return [*found, MODES] if any(len(run.shape) > 1 for run in runs) else found
+    if any(len(run.shape) > 1 for run in runs):
+        found.append(MODES)
+    return [*found, *_own(runs)]
+
+
+def _own(runs: list[Run]) -> Iterator[Quantity]:
+    """The series that only the fluid model of these results knows."""
+    for name in runs[0].variables:
+        if name not in VARIABLES and all(name in run.variables for run in runs):
+            one = runs[0].result.describe(name)
+            if one.dimensions == ("time",):
+                yield Quantity(name, one.long_name[:1].upper() + one.long_name[1:], one.units, 1.0)
 
 
 class Charts:

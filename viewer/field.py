@@ -1,7 +1,6 @@
 """The flow around the wing: vorticity or speed as a picture, velocity as arrows.
 
-The velocity is that of the solver's own vortices by the solver's own sum, with a core wide enough for the eye:
-a point vortex alone would be a needle. Vorticity is the curl of that same velocity.
+The velocity is the fluid model's own; vorticity is the curl of that same velocity.
 """
 
 import threading
@@ -13,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .colours import Theme
-from .frame import Array, Frame
+from .frame import Array
 from .frames import Run
 from .legend import Bar
 from .scene import ARROWS, arrows
 
 NONE, VORTICITY, SPEED = BACKGROUNDS = ("none", "vorticity", "speed")
-CORE = 0.08
-"""Least radius over which a vortex is spread for the picture, chords."""
 ACROSS = 256
 """Points along the longer side of the picture."""
 SPACING = 11
@@ -74,9 +71,9 @@ class Fields:
         self._lock = threading.Lock()
         self._flows: OrderedDict[tuple[int, int], Future[Flow]] = OrderedDict()
         self._limits: tuple[float, float] | None = None
-        if run.has_wake:
+        if run.draws_flow:
             # Taichi takes a second to start, and holds up all else: now, before there is a page to hold up.
-            self._worker.submit(_velocity, np.zeros((2, 1)), np.zeros((3, 1)), CORE)
+            self._worker.submit(self._velocity, 0, np.zeros((2, 1)))
 
     def ask(self, index: int) -> "Future[Flow]":
         """The flow of a frame, at once or as soon as it is computed."""
@@ -103,32 +100,22 @@ class Fields:
             self._worker.shutdown(wait=True, cancel_futures=True)
 
     def _compute(self, index: int) -> Flow:
-        run, frame = self.run, self.run.frame(index)
+        run = self.run
         box = run.box + np.array([-ASIDE, -MARGIN, ASIDE, MARGIN])
         width, height = box[2:] - box[:2]
         finest = max(width, height) / ACROSS
         shape = max(2, round(height / finest)), max(2, round(width / finest))
         right, up = np.meshgrid(*_axes(box, shape))
-        core = max(CORE, run.case.uvlm.core) * run.chord
-        found = _velocity(np.stack((-up, right)) * run.chord, vortices(frame, run.chord), core)
-        stream_y, stream_z = run.case.fluid.velocity
-        velocity = np.stack((found[1] + stream_z, -(found[0] + stream_y))).astype(np.float32)
+        along_y, along_z = self._velocity(index, np.stack((-up, right)) * run.chord)
+        velocity = np.stack((along_z, -along_y)).astype(np.float32)
         step = finest * run.chord
         # (right, up) is (Y, Z) turned by a quarter, so the curl keeps its sign.
         vorticity = np.gradient(velocity[1], step, axis=1) - np.gradient(velocity[0], step, axis=0)
         return Flow(box, velocity, vorticity)
 
-
-def _velocity(places: Array, sources: Array, core: float) -> Array:
-    from taichiflap.vortex.sum import induced_velocity  # noqa: PLC0415 - not for a result without a wake
-
-    return induced_velocity(places, sources, core)
-
-
-def vortices(frame: Frame, chord: float) -> Array:
-    """Y, Z (m) and circulation (m2/s) of a frame's bound and wake vortices, shape (3, vortex)."""
-    places = np.concatenate((frame.bound_at, frame.wake)) * chord
-    return np.stack((-places[:, 1], places[:, 0], np.concatenate((frame.bound, frame.circulation))))
+    def _velocity(self, index: int, points: Array) -> Array:
+        flow = self.run.velocity(index)
+        return np.zeros_like(points) if flow is None else flow(np.asarray(points, dtype=np.float64))
 
 
 def bar(kind: str, theme: Theme, limits: tuple[float, float]) -> Bar | None:

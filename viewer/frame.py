@@ -25,8 +25,7 @@ class Frame:
         velocity: velocity of the nodes relative to the free stream, m/s, shape (node, 2).
         wake: positions of the wake vortices, oldest first, shape (vortex, 2).
         circulation: of the wake vortices, m2/s.
-        bound: circulation of the bound vortices, m2/s; empty without a vortex lattice.
-        bound_at: their positions, shape (panel, 2).
+        age: time since each was shed, beats.
         drawn: what has been drawn of the frame, by style and layer, for all browsers of that style.
     """
 
@@ -41,8 +40,7 @@ class Frame:
     velocity: Array
     wake: Array
     circulation: Array
-    bound: Array
-    bound_at: Array
+    age: Array
     drawn: dict[Hashable, dict[str, Any]] = field(default_factory=dict, compare=False, repr=False)
 
     @property

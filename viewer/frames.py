@@ -9,9 +9,10 @@ from collections import OrderedDict
 
 import numpy as np
 
-from taichiflap import Result
+from taichiflap import Result, fluids
 from taichiflap.drawing.scene import when
 from taichiflap.errors import UserError
+from taichiflap.fluids.interface import Velocity
 from taichiflap.metrics.summary import Summary, reversals, summarise
 from taichiflap.motion import sampling
 from taichiflap.results.reader import ResultError
@@ -63,7 +64,8 @@ class Run:
         self.surveys = self._surveyed = 0
         if not result.frames:
             raise ResultError(f"{result.path}: holds no frame yet")
-        self._vortex_share = self._vortices()
+        self._model = fluids.known(self.case.solver)
+        self.draws_flow = self._model is not None and self._model.draws_flow
         self._load()
 
     def _load(self) -> None:
@@ -210,6 +212,11 @@ class Run:
                 values = np.full((len(picked), len(self.shape)) if name == "q" else len(picked), np.nan)
         return picked / self.steps_per_beat, values
 
+    def velocity(self, index: int) -> Velocity | None:
+        """The flow of a frame, as its fluid model has it; None of a model that knows none."""
+        with self._lock:
+            return self._model.velocity(self.result, index) if self._model else None
+
     def summary(self) -> Summary | None:
         """Means, peaks and phases over the settled beats; None while there is no whole beat, or no reading it."""
         with self._lock, contextlib.suppress(UserError, *UNREADABLE):
@@ -236,7 +243,6 @@ class Run:
         places = result.frame("node_position", index)
         nodes = _on_screen(places[:, 0], places[:, 1], scale)
         wake = result.wake(index)
-        bound = self._field("panel_circulation", index)
         return Frame(
             index=index,
             text="   ".join(filter(None, (self.when(index), self.half_stroke(index)))),
@@ -249,8 +255,7 @@ class Run:
             velocity=velocity,
             wake=_on_screen(wake["y"], wake["z"], scale),
             circulation=wake["circulation"],
-            bound=bound,
-            bound_at=nodes[:-1] + self._vortex_share * np.diff(nodes, axis=0) if len(bound) else np.zeros((0, 2)),
+            age=self.turns(index) - wake["birth"] / self.steps_per_beat,
         )
 
     def _time(self, index: int) -> float:
@@ -266,15 +271,6 @@ class Run:
         plunge = self.result.between("plunge", first, self.steps - 1) / self.chord
         return float(plunge.min()), float(plunge.max())
 
-    def _vortices(self) -> Array:
-        """Where on its panel each bound vortex stands, as shares of it, shape (panel, 1); none without a lattice."""
-        if "panel_circulation" not in self.result.variables:
-            return np.zeros((0, 1))
-        from taichiflap.fluids.uvlm.stations import stations  # noqa: PLC0415 - of that model alone
-
-        at = stations(self.case)
-        return ((at.vortex - at.node[:-1]) / np.diff(at.node))[:, None]
-
     def _field(self, name: str, index: int) -> Array:
         return self.result.frame(name, index) if name in self.variables else np.zeros(0, dtype=np.float32)
 
@@ -282,7 +278,7 @@ class Run:
         """Ranges and first view, from frames of the last beat."""
         first = max(0, round(self.frames - 1 - self.frames_per_beat))
         picked = np.unique(np.linspace(first, self.frames - 1, SURVEYED).astype(int))
-        return survey([self._read(int(index)) for index in picked], round(self.case.steps_per_beat))
+        return survey([self._read(int(index)) for index in picked])
 
 
 def _on_screen(y: Array, z: Array, scale: float) -> Array:

@@ -38,7 +38,7 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
         limit = 1e3 * ranges.circulation
         parts.append(bar_html(Bar("Wake: circulation", theme.circulation, -limit, limit, "10⁻³ m²/s", TURN)))
     elif not several:
-        parts.append("No wake: blade elements (DBET) compute none.")
+        parts.append(f"No wake: {runs[0].case.model} computes none.")
     if background:
         parts.append(bar_html(background))
     colours = (theme.force, theme.load, theme.velocity, theme.faint)
@@ -58,7 +58,7 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
 def _named(runs: list[Run]) -> str:
     lines = []
     for run, colour, mark in zip(runs, RUNS, ("●", "◆"), strict=True):
-        wake = f"vortices {mark}" if run.has_wake else "DBET, no wake"
+        wake = f"vortices {mark}" if run.has_wake else f"{run.case.model}, no wake"
         lines.append(f"{_swatch(colour)}<b>{escape(run.label)}</b>, {wake}")
     return "<br>".join(lines)
 

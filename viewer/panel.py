@@ -59,9 +59,9 @@ class Panel:
             reset = gui.add_button("Reset view")
             reset.on_click(lambda _: act("reset", None))
             self.background = gui.add_dropdown("Background", BACKGROUNDS, initial_value=playback.background)
-            if not run.has_wake:
+            if not run.draws_flow:
                 self.background.disabled = True
-                self.background.hint = "blade elements know no flow around the wing"
+                self.background.hint = f"{run.case.model} knows no flow around the wing"
             self._listen(self.background, "background")
             self.layers = {}
             for name, (title, hint) in LAYERS.items():

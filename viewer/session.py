@@ -109,7 +109,7 @@ class Session:
                     self.panel.time.content = self._headline("")
 
     def _show(self, index: int) -> None:
-        kind, coming = self.playback.background if self.run.has_wake else NONE, []
+        kind, coming = self.playback.background if self.run.draws_flow else NONE, []
         if self.playback.playing and kind != NONE:
             step, stride = self.background.step, self.background.stride
             index, coming = step(index), [step(one) for one in timeline.coming(self.run, self.playback, stride, AHEAD)]

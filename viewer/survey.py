@@ -25,14 +25,13 @@ class Ranges:
     speed: float
 
 
-def survey(frames: Sequence[Frame], shed: int) -> tuple[Ranges, Array]:
+def survey(frames: Sequence[Frame]) -> tuple[Ranges, Array]:
     """Ranges, and the box (left, bottom, right, top; chords) of the first view.
 
-    The colours of the wake go by the last `shed` vortices, those of a beat: what a full wake has absorbed is many times
-    as strong.
+    The colours of the wake go by the vortices of the last beat: what a full wake has absorbed is many times as strong.
     """
     ranges = Ranges(
-        circulation=_nice(_percentile([frame.circulation[-shed:] for frame in frames], 97)),
+        circulation=_nice(_percentile([frame.circulation[frame.age < 1.0] for frame in frames], 97)),
         pressure=_nice(_percentile([frame.pressure for frame in frames], 95)),
         force=_nice(max(float(np.linalg.norm(frame.force)) for frame in frames)),
         speed=_nice(max(float(np.linalg.norm(frame.velocity, axis=1).max()) for frame in frames)),

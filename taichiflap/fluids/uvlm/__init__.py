@@ -71,15 +71,17 @@ class Uvlm(Model):
             found.append(Refinement("uvlm.wake", case.uvlm.wake, per_step=1))
         return found
 
-    def velocity(self, result: Any, index: int) -> Velocity:
-        case, wake = result.case, result.wake(index)
-        node = np.asarray(result.frame("node_position", index), dtype=float)
-        at = stations.stations(case)
+    def vortices(self, result: Any, index: int) -> Array:
+        """Y, Z (m) and circulation (m2/s) of the bound and then the wake vortices of a frame, shape (3, vortex)."""
+        wake, node = result.wake(index), np.asarray(result.frame("node_position", index), dtype=float)
+        at = stations.stations(result.case)
         share = (at.vortex - at.node[:-1]) / np.diff(at.node)
         bound = node[:-1] + share[:, None] * np.diff(node, axis=0)
-        places = np.concatenate((bound.T, np.stack((wake["y"], wake["z"]))), axis=1)
-        strength = np.concatenate((result.frame("panel_circulation", index), wake["circulation"]))
-        vortices = np.concatenate((places, strength[None, :]))
+        shed = np.stack([wake[name] for name in ("y", "z", "circulation")])
+        return np.concatenate((np.vstack((bound.T, result.frame("panel_circulation", index))), shed), axis=1)
+
+    def velocity(self, result: Any, index: int) -> Velocity:
+        case, vortices = result.case, self.vortices(result, index)
         core = max(SPREAD, case.uvlm.core) * case.wing.chord
 
         def flow(points: Array) -> Array:
