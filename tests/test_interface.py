@@ -134,7 +134,7 @@ def test_the_viewer_charts_what_only_the_model_knows(spring):
     assert (shown["stretch"].title, shown["stretch"].unit) == ("How far the spring is stretched", "m")
     assert "square" in shown
     assert "ramp" not in shown
-    times, values = run.series("square", 0, 20, 100)
+    _, values = run.series("square", 0, 20, 100)
     np.testing.assert_array_equal(values, run.result.square)
     assert not run.draws_flow
     assert run.velocity(0) is None

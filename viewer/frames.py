@@ -213,9 +213,16 @@ class Run:
         return picked / self.steps_per_beat, values
 
     def velocity(self, index: int) -> Velocity | None:
-        """The flow of a frame, as its fluid model has it; None of a model that knows none."""
+        """The flow of a frame, as its fluid model has it; None of a model that knows none.
+
+        Raises:
+            OSError: when a file that is being written cannot be read just now.
+        """
         with self._lock:
-            return self._model.velocity(self.result, index) if self._model else None
+            try:
+                return self._model.velocity(self.result, index) if self._model else None
+            except UNREADABLE as error:
+                raise OSError(f"frame {index} cannot be read: {error}") from None
 
     def summary(self) -> Summary | None:
         """Means, peaks and phases over the settled beats; None while there is no whole beat, or no reading it."""
