@@ -51,6 +51,12 @@ class Spring(Model):
     def entries(self, case, step):
         return np.asarray(step) + 1
 
+    def problems(self, case):
+        return ["wing.modes = 8: at most 7"] if case.wing.modes == 8 else []
+
+    def completed(self, case):
+        return case.override("output.every=7") if case.time.periods == 2 else case
+
     def refinements(self, case):
         return [Refinement("numbers.count", self.parameters(case).count)]
 
@@ -159,6 +165,14 @@ def test_the_table_of_a_model_is_checked_like_any_other(spring, tmp_path):
         with pytest.raises(CaseError, match=said):
             taichiflap.simulate(hawkmoth(*SHORT, spring, f"numbers={told}"), tmp_path / "run.h5")
     assert not (tmp_path / "run.h5.part").exists()
+
+
+def test_a_model_refuses_what_it_cannot_compute_and_chooses_what_is_left_open(spring, tmp_path):
+    with pytest.raises(CaseError, match=r"wing\.modes = 8: at most 7"):
+        taichiflap.simulate(hawkmoth(*SHORT, spring, "wing.modes=8"), tmp_path / "run.h5")
+    assert not list(tmp_path.glob("run*"))
+    with taichiflap.simulate(hawkmoth(*SHORT, spring, "time.periods=2")) as result:
+        assert (result.case.output.every, result.frames, result.steps) == (7, 7, 41)
 
 
 def test_a_model_of_ones_own_converges(spring):

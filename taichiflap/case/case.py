@@ -204,10 +204,13 @@ class Case(Section):
         return fluids.load(self.solver).stride(self) / speed
 
     def resolved(self) -> "Case":
-        """The case with a number in the place of an automatic step."""
+        """The case with a number in the place of an automatic step, and what its fluid model adds."""
+        from .. import fluids  # noqa: PLC0415 - to run it, not to read it
+
         name = {"steps_per_period": round(self.steps_per_beat), "step": self.step}
         automatic = {key: value for key, value in name.items() if getattr(self.time, key) == "auto"}
-        return self.model_copy(update={"time": self.time.model_copy(update=automatic)}) if automatic else self
+        found = self.model_copy(update={"time": self.time.model_copy(update=automatic)}) if automatic else self
+        return fluids.load(self.solver).completed(found)
 
     def override(self, *settings: str, **named: Any) -> "Case":
         """A copy with some keys changed, checked like a file: `case.override("wing.modes=0", title="rigid")`.

@@ -10,7 +10,7 @@ import sys
 import traceback
 from collections.abc import Iterator
 
-from ..case.case import Case
+from ..case.case import Case, CaseError
 from ..case.solver import ELSEWHERE
 from ..errors import UserError
 from .interface import Model
@@ -30,9 +30,13 @@ def check(case: Case) -> None:
 
     Raises:
         ModelError: when there is no such model.
-        CaseError: when `numbers` says what the model does not take.
+        CaseError: when it cannot compute the case, or `numbers` says what it does not take.
     """
-    load(case.solver).parameters(case)
+    model = load(case.solver)
+    model.parameters(case)
+    problems = model.problems(case)
+    if problems:
+        raise CaseError(case.title or model.name, problems)
 
 
 @contextlib.contextmanager

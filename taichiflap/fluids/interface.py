@@ -198,6 +198,14 @@ class Model:
         """Its settings in few words, for a line that describes a run: `50 panels`."""
         return []
 
+    def problems(self, case: Case) -> list[str]:
+        """What of a case the model cannot compute, one sentence each with the key, its value and the cure."""
+        return []
+
+    def completed(self, case: Case) -> Case:
+        """The case with what the model chooses where the case leaves it open, such as how many frames a beat has."""
+        return case
+
     def warnings(self, case: Case) -> list[str]:
         """What of a case the model is not good for, one sentence each."""
         return []

@@ -68,7 +68,7 @@ class Uvlm(Model):
     def refinements(self, case: Case) -> list[Refinement]:
         found = [Refinement("uvlm.panels", case.uvlm.panels)]
         if case.uvlm.wake != "all":
-            found.append(Refinement("uvlm.wake", case.uvlm.wake, per_step=1))
+            found.append(Refinement("uvlm.wake", case.uvlm.wake, per_step=stations.shed_a_step(case)))
         return found
 
     def vortices(self, result: Any, index: int) -> Array:
