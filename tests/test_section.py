@@ -220,16 +220,16 @@ def test_inertial_power_is_the_rate_of_the_kinetic_energy_of_all_points(settings
     )
     y = C * (np.concatenate((at, [0.55, 1.0])) - wing.pivot)
     phi = section.shape(y)
-    a = rng.standard_normal((2 + section.count, 3)) * np.array([[0.02], [0.5], *[[1e-5]] * section.count])
+    a = rng.standard_normal((3 + section.count, 3)) * np.array([[0.02], [0.5], [0.02], *[[1e-5]] * section.count])
 
     def path(t):
-        """Plunge, pitch and amplitudes as cubics of t, with two derivatives."""
+        """Plunge, pitch, surge and amplitudes as cubics of t, with two derivatives."""
         return [a @ powers for powers in ([t, t**2, t**3], [1, 2 * t, 3 * t**2], [0, 2, 6 * t])]
 
     def places(t):
-        (plunge, pitch, *q), _, _ = path(t)
+        (plunge, pitch, surge, *q), _, _ = path(t)
         w = np.array(q) @ phi if q else 0 * y
-        return np.array([y * np.cos(pitch) - w * np.sin(pitch), plunge + y * np.sin(pitch) + w * np.cos(pitch)])
+        return np.array([surge + y * np.cos(pitch) - w * np.sin(pitch), plunge + y * np.sin(pitch) + w * np.cos(pitch)])
 
     def energy(t, h=1e-4):
         velocity = (8 * (places(t + h) - places(t - h)) - (places(t + 2 * h) - places(t - 2 * h))) / (12 * h)
@@ -238,11 +238,12 @@ def test_inertial_power_is_the_rate_of_the_kinetic_energy_of_all_points(settings
     t, h = 0.7, 1e-3
     value, rate, accel = path(t)
     turned = np.cos(value[1]), np.sin(value[1])
-    moved = np.array([[value[0], rate[0], accel[0], value[1], rate[1], accel[1], *turned]])
-    state = np.array([[value[2:], rate[2:], accel[2:]]])
+    moved = np.array([[*(row[axis] for axis in range(3) for row in (value, rate, accel)), *turned]])
+    state = np.array([[value[3:], rate[3:], accel[3:]]])
     found = loads.inertial_power(section, moved, state)[0]
     if section.count:  # the modes take their own share of the energy: what is left is the actuator's
         theta_rate = rate[1]
-        lifted = section.lam * accel[0] * np.cos(value[1]) + section.psi * accel[1] - theta_rate**2 * value[2:]
-        found += float(rate[2:] @ (accel[2:] + lifted))
+        heave = accel[0] * turned[0] - accel[2] * turned[1]
+        lifted = section.lam * heave + section.psi * accel[1] - theta_rate**2 * value[3:]
+        found += float(rate[3:] @ (accel[3:] + lifted))
     assert found == pytest.approx((energy(t + h) - energy(t - h)) / (2 * h), rel=1e-5)
