@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .case.case import Case, CaseError, load_case
     from .maps.file import Map, open_map
     from .metrics.summary import summarise
+    from .plots.preview import preview
     from .results.reader import Result, ResultError, open_result
     from .run.blocks import simulate
     from .studies.sweep import sweep
@@ -29,6 +30,7 @@ _HOMES = {
     "load_case": "case",
     "open_map": "maps",
     "open_result": "results",
+    "preview": "plots.preview",
     "simulate": "run",
     "summarise": "metrics",
     "sweep": "studies.sweep",
@@ -44,6 +46,7 @@ __all__ = [
     "load_case",
     "open_map",
     "open_result",
+    "preview",
     "simulate",
     "summarise",
     "sweep",

@@ -98,6 +98,30 @@ def simulate(
         raise typer.Exit(1)
 
 
+@app.command(short_help="Draw the motion of a case, before anything is run.")
+def preview(
+    case_file: CaseFile,
+    settings: Settings = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="png, pdf, svg or eps file  [default: the case's name-preview.png, here]"),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing picture")] = False,
+) -> None:
+    """Draw the wing's path, angle of attack and speeds over a beat, before anything is run."""
+    from .case.case import load_case
+    from .commands.summary import motion_line
+    from .plots.preview import write
+    from .run import warnings as plausible
+
+    case = load_case(case_file, settings or ())
+    path = write(case, output or Path(f"{case_file.stem}-preview.png"), overwrite)
+    print(f"{path} written")
+    print(motion_line(case))
+    for warning in plausible.warnings(case):
+        print(f"warning: {warning}", file=sys.stderr)
+
+
 @app.command(short_help="Show a result or a map in the browser.")
 def view(
     files: Annotated[list[Path], typer.Argument(help="a result file, two to compare, or a map", show_default=False)],

@@ -37,7 +37,7 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
     yield _line("file", f"{result.path or 'in memory'}, {status}, {_extent(result)}")
     yield _line("model", _model(case))
     yield _line("wing", _wing(case, result))
-    yield _line("motion", _motion(case))
+    yield motion_line(case)
     failed = result.status == "failed"
     summary = None if failed else summarise(result)
     if summary:
@@ -63,6 +63,11 @@ def _extent(result: Result) -> str:
     if result.case.output.every == 1:
         return f"{result.frames} frames"
     return f"{result.steps} steps, fields in {result.frames} frames"
+
+
+def motion_line(case: Case) -> str:
+    """A line on how the wing is moved, and for how long."""
+    return _line("motion", _motion(case))
 
 
 def _statistics(case: Case, summary: Summary) -> Iterator[str]:
