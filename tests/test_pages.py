@@ -21,6 +21,7 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parent.parent
 TUTORIAL = ROOT / "docs" / "tutorial.md"
+CAMERA = ROOT / "docs" / "howto" / "measured.md"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
@@ -82,6 +83,28 @@ def test_the_tutorial_word_for_word(tmp_path, monkeypatch, capsys):
                 assert taichiflap.summarise(names["rigid"]).force_vertical.mean == pytest.approx(3.11e-3, rel=0.03)
     assert shown > 25
     assert pythons == 2
+
+
+@pytest.mark.slow
+def test_from_a_camera_to_a_force_word_for_word(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    printed, shown = [], 0
+    for kind, block in blocks(CAMERA, "sh", "text", "toml"):
+        if kind == "sh":
+            printed = []
+            for line in commands(block):
+                printed += run(line, monkeypatch, capsys)
+            printed += (tmp_path / "measured_moth.csv").read_text().splitlines()
+        elif kind == "text":
+            rest = iter(printed) if "time (ms)" not in block else iter(printed[-300:])
+            for line in block.splitlines():
+                assert any(agree(line, other) for other in rest), f"{line!r} is not among {printed}"
+                shown += 1
+        else:
+            written = tomllib.loads((tmp_path / "moth.toml").read_text())["motion"]
+            assert written == tomllib.loads(block.replace("cases/", ""))["motion"]
+    assert shown == 6
+    assert (tmp_path / "moth-preview.png").exists()
 
 
 @pytest.mark.parametrize(
