@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .commands import studies
+from .commands import standard_streams, studies
 from .commands.interrupts import heard, interruptible
 from .commands.options import CaseFile, Settings, Threads
 from .errors import UserError
@@ -29,12 +29,15 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line; a problem of the user's is a sentence on stderr, and exit code 2 or 1."""
+    standard_streams.settle()
     try:
         app()
     except UserError as error:
         for line in str(error).splitlines():
             print(f"error: {printable(line)}", file=sys.stderr)
         sys.exit(error.exit_code)
+    except SystemExit as done:
+        sys.exit(done.code or int(standard_streams.failed()))
 
 
 def _version(wanted: bool) -> None:

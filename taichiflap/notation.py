@@ -22,8 +22,8 @@ def prefixed(size: float, unit: str) -> tuple[float, str]:
 
 
 def fraction(units: str) -> str:
-    """Units as people write them, N/W for N W-1."""
-    return units.replace(" W-1", "/W")
+    """Units as people write them, N/W for N W-1, and nothing for a pure number."""
+    return "" if units == "1" else units.replace(" W-1", "/W")
 
 
 def engineering(value: float) -> str:

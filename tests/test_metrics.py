@@ -13,6 +13,7 @@ from taichiflap.commands import summary as report
 from taichiflap.metrics import names as quantities
 from taichiflap.metrics import summary as metrics
 from taichiflap.metrics.beats import settled_beats, whole_beats
+from taichiflap.metrics.coefficients import reference
 from taichiflap.motion import sampling
 from taichiflap.results.variables import VARIABLES
 
@@ -116,7 +117,7 @@ def test_every_quantity_has_the_units_of_what_it_is_taken_of():
         assert units[f"{name}_harmonic_2"] == VARIABLES[name].units
     assert {units[f"{name}_mean"] for name in ("lift", "thrust", "force_normal_peak")} == {"N"}
     assert (units["tip_peak_mean"], units["lift_per_power"], units["force_normal_phase"]) == ("m", "N W-1", "degree")
-    assert set(units.values()) <= {"1", "N", "N m", "m", "W", "N W-1", "degree"}
+    assert set(units.values()) <= {"1", "N", "N m", "m", "W", "N W-1", "degree", "m s-1", "m2"}
 
 
 def test_two_beats_are_too_few_to_call_settled():
@@ -344,14 +345,100 @@ def test_lift_and_thrust_turn_with_the_stream(angle):
     summary = metrics.summarise(made)
     assert summary.thrust.mean == pytest.approx(0.5)
     assert summary.lift.mean == pytest.approx(3.0)
-    lines = " ".join(report._statistics(case, summary))
     area = case.wing.chord * case.wing.span
-    assert f"coefficient {3.0 / (0.5 * 1.225 * 4.0 * area):.4g}" in lines
+    scale = 0.5 * 1.225 * 4.0 * area
+    assert (summary.reference_speed, summary.reference_area) == pytest.approx((2.0, area))
+    assert summary.lift_coefficient.mean == pytest.approx(3.0 / scale)
+    assert summary.thrust_coefficient.mean == -summary.drag_coefficient.mean == pytest.approx(0.5 / scale)
+    lines = " ".join(report._statistics(case, summary))
+    assert f"C_L {3.0 / scale:.4g}, C_D {-0.5 / scale:.4g}, C_T {0.5 / scale:.4g}" in lines
+    assert summary.propulsive_efficiency is None  # its power is nothing
 
 
-def test_without_a_stream_there_is_no_lift_across_it():
-    summary = metrics.summarise(synthetic(hawkmoth("time.periods=4"), force_z=np.ones_like))
-    assert summary.lift is summary.thrust is None
+def test_the_propulsive_efficiency_is_the_thrusts_share_of_the_power():
+    """Thrust times the stream's speed over the power, and so C_T over C_P."""
+    case = hawkmoth("time.periods=4", "fluid.velocity=[2.0, 0.0]")
+    summary = metrics.summarise(
+        synthetic(case, force_y=lambda t: np.full_like(t, -0.3), power=lambda t: np.full_like(t, 1.5))
+    )
+    assert summary.propulsive_efficiency == pytest.approx(0.3 * 2.0 / 1.5)
+    ratio = summary.thrust_coefficient.mean / summary.power_coefficient.mean
+    assert summary.propulsive_efficiency == pytest.approx(ratio)
+
+
+def test_without_a_stream_there_is_no_lift_across_it_and_coefficients_go_by_the_motion():
+    case = hawkmoth("time.periods=4", "motion.pitch.amplitude_deg=0.0")
+    summary = metrics.summarise(synthetic(case, force_z=np.ones_like, force_vertical=lambda t: np.full_like(t, 0.02)))
+    assert summary.lift is summary.thrust is summary.drag_coefficient is summary.propulsive_efficiency is None
+    speed = 0.02 * 2.0 * np.pi * 25.0 / np.sqrt(2.0)  # of a sine, root mean square
+    assert summary.reference_speed == pytest.approx(speed)
+    assert summary.lift_coefficient.mean == pytest.approx(0.02 / (0.5 * 1.225 * speed**2 * 0.02 * 0.05))
+
+
+def test_the_reference_point_is_the_middle_of_the_chord():
+    """Of a wing that only pitches it moves on a circle about the pivot; at the pivot itself it rests."""
+    turning = np.radians(15.0) * 2.0 * np.pi * 25.0 / np.sqrt(2.0)
+    for pivot in (0.0, 0.25, 1.0):
+        case = hawkmoth("wing.modes=0", f"wing.pivot={pivot}", "motion.plunge.amplitude=0.0", "time.periods=4")
+        assert reference(case).speed == pytest.approx(abs(0.5 - pivot) * 0.02 * turning)
+    still = hawkmoth("wing.modes=0", "wing.pivot=0.5", "motion.plunge.amplitude=0.0", "time.periods=4")
+    assert reference(still).speed == 0.0
+    assert metrics.summarise(synthetic(still)).lift_coefficient is None
+
+
+@pytest.mark.parametrize("pivot", [0.0, 0.3, 0.8])
+@pytest.mark.parametrize("stream", [(0.0, 0.0), (1.5, -0.5)])
+def test_what_a_pivoted_wing_lost_goes_by_the_speed_of_its_own_middle(pivot, stream):
+    """Against the speed of the middle from its positions, by differences."""
+    case = hawkmoth(
+        "wing.modes=0", f"wing.pivot={pivot}", f"fluid.velocity={list(stream)}", "time.periods=4",
+        "time.steps_per_period=4000", "motion.pitch.phase_deg=50.0", "motion.pitch.amplitude_deg=40.0",
+    )  # fmt: skip
+    made = synthetic(case)
+    moved = sampling.sample(case.motion, made.time)
+    arm = (0.5 - pivot) * case.wing.chord
+    y, z = arm * np.cos(moved[:, sampling.PITCH]), moved[:, sampling.PLUNGE] + arm * np.sin(moved[:, sampling.PITCH])
+    speeds = [np.gradient(place, made.time) - along for place, along in zip((y, z), stream, strict=True)]
+    made.wake_lost, made.variables = np.full_like(made.time, 0.2), (*made.variables, "wake_lost")
+    expected = 0.2 / np.sqrt(np.mean(speeds[0] ** 2 + speeds[1] ** 2))
+    assert metrics.summarise(made, whole_beats(case, made.time)).wake_lost == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("settings", "lacking", "having"),
+    [
+        ((), ("lift_mean", "thrust_mean", "propulsive_efficiency", "drag_coefficient_mean"), ("power_mean",)),
+        (("fluid.velocity=[1.0, 0.0]",), (), ("lift_mean", "thrust_mean", "propulsive_efficiency")),
+        (("fluid.density=0.0",), ("lift_coefficient_mean", "power_coefficient_spread"), ("power_mean",)),
+    ],
+)
+def test_metrics_that_a_case_cannot_have_are_not_offered(settings, lacking, having):
+    case = hawkmoth(*settings)
+    offered = quantities.choose((), [case])
+    assert set(having) <= set(offered)
+    assert not set(lacking) & set(offered)
+    for name in lacking:
+        with pytest.raises(quantities.QuantityError, match=f"metric {name}: not defined (in hover|where)"):
+            quantities.choose([name], [case])
+        # It is offered where another case of the study has it.
+        assert name in quantities.choose((), [case, hawkmoth("fluid.velocity=[1.0, 0.0]")])
+
+
+def test_what_is_defined_nowhere_in_a_summary_is_not_offered_and_the_rest_is():
+    """Every metric that is offered has a value in some run of the case, and none that is not."""
+    for settings in ((), ("fluid.velocity=[1.0, 0.5]",), ("fluid.density=0.0",)):
+        case = hawkmoth("time.periods=4", *settings)
+        made = synthetic(case, **dict.fromkeys(("power", "force_y", "force_z", "tip_deflection"), np.cos))
+        values = quantities.measure(made, list(quantities.QUANTITIES))
+        known = {name for name, value in values.items() if np.isfinite(value)}
+        assert known <= set(quantities.choose((), [case]))
+
+
+def test_lift_per_power_is_of_the_lift_in_a_stream_and_of_the_vertical_force_in_hover():
+    forces = {"force_z": lambda t: np.full_like(t, 3.0), "force_vertical": lambda t: np.full_like(t, 5.0)}
+    for settings, lift in ((("fluid.velocity=[2.0, 0.0]",), 3.0), ((), 5.0)):
+        made = synthetic(hawkmoth("time.periods=4", *settings), power=lambda t: np.full_like(t, 0.5), **forces)
+        assert quantities.measure(made, ["lift_per_power"])["lift_per_power"] == pytest.approx(lift / 0.5)
 
 
 @pytest.mark.parametrize("every", [1, 3, 7, 130])

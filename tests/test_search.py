@@ -11,7 +11,7 @@ from taichiflap.maps import file as maps
 from taichiflap.maps.design import DesignError, design
 from taichiflap.maps.file import MapError
 from taichiflap.maps.outcome import Outcome
-from taichiflap.metrics.names import QUANTITIES
+from taichiflap.metrics.names import QUANTITIES, QuantityError, choose, gains, shown
 from taichiflap.metrics.pareto import pareto_front
 from taichiflap.plots import maps as map_plots
 from taichiflap.studies import converge as convergence
@@ -165,6 +165,58 @@ def second_order(case):
     return {"force_vertical_mean": 1.0 + 0.04 * error, "power_mean": 2.0, "tip_peak_mean": 0.0}
 
 
+@pytest.mark.parametrize(
+    ("objective", "sentence"),
+    [
+        ("thrust_mean / power_mean", "metric thrust_mean: not defined in hover"),
+        ("vertical_force_mean / tip_peak_mean", "no finite value in any of the first 5 cases: tip_peak_mean is 0$"),
+        ("power_mean - tip_peak_after_reversal", "tip_peak_after_reversal has no value$"),
+        ("sqrt(-power_mean)", "or takes a root of what is negative"),
+    ],
+)
+def test_an_objective_that_is_defined_nowhere_ends_the_search_at_its_first_generation(objective, sentence, monkeypatch):
+    nothing = {"tip_peak_mean": 0.0, "tip_peak_after_reversal": np.nan, "power_mean": 2.0, "force_vertical_mean": 1.0}
+    asked = pretend(monkeypatch, lambda _: nothing)
+    with pytest.raises(UserError, match=sentence):
+        optimise(hawkmoth(*SHORT), RANGES, maximise=objective, population=5)
+    assert len(asked) <= 6
+
+
+def test_a_condition_that_is_defined_nowhere_is_refused_before_any_case(monkeypatch):
+    asked = pretend(monkeypatch, lambda _: {"power_mean": 1.0})
+    with pytest.raises(QuantityError, match="metric lift_mean: not defined in hover"):
+        optimise(hawkmoth(*SHORT), RANGES, minimise="power_mean", subject_to=["lift_mean >= 1"], population=5)
+    assert not asked
+
+
+def test_a_case_without_the_objective_is_never_the_best(monkeypatch):
+    def metrics(case):
+        good = case.motion.pitch.amplitude_deg > 25.0
+        return {"power_mean": 1.0, "lift_per_power": case.motion.pitch.amplitude_deg if good else np.nan}
+
+    pretend(monkeypatch, metrics)
+    best = optimise(hawkmoth(*SHORT), RANGES, minimise="lift_per_power", population=8, generations=3)
+    assert np.isfinite(best.value)
+
+
+def test_convergence_of_what_is_not_defined_is_refused(monkeypatch):
+    asked = pretend(monkeypatch, lambda _: {"force_normal_phase": np.nan, "force_normal_peak_mean": 1.0})
+    with pytest.raises(QuantityError, match="metric thrust_mean: not defined in hover"):
+        converge(hawkmoth(*SHORT), metrics=["thrust_mean"])
+    assert not asked
+    with pytest.raises(UserError, match="metric force_normal_phase: has no value in this case"):
+        converge(hawkmoth(*SHORT), metrics=["force_normal_phase"])
+
+
+def test_a_mean_force_that_cancels_out_is_no_scale_for_its_own_changes(monkeypatch):
+    """Round-off of the mean lift of a symmetrical stroke is not refined away: the peak force is the scale."""
+    noise = np.random.default_rng(5)
+    steady = {"power_mean": 2.0, "tip_peak_mean": 0.0, "force_normal_peak_mean": 1.0, "thrust_mean": 0.1}
+    pretend(monkeypatch, lambda _: steady | {"lift_mean": 1e-6 * noise.standard_normal()})
+    stream = hawkmoth(*SHORT, "fluid.velocity=[1.0, 0.0]")
+    assert not converge(stream).open
+
+
 def test_convergence_follows_its_rule(monkeypatch, tmp_path):
     asked = pretend(monkeypatch, second_order)
     found = converge(hawkmoth(*SHORT), 0.01, tmp_path / "c.h5")
@@ -221,13 +273,14 @@ def test_a_tolerance_is_a_share(text):
     assert read_tolerance("1%") == read_tolerance("0.01") == 0.01
 
 
-def filled(vary, values, sample=None):
+def filled(vary, values, sample=None, case=None):
     """A map in memory that holds given values of lift and power."""
-    planned = design(hawkmoth(), vary, sample)
-    sheet = maps.create(None, hawkmoth(), planned, QUANTITIES)
-    sheet.record(
-        range(planned.size), [Outcome(dict.fromkeys(QUANTITIES, 1.0) | values(i)) for i in range(planned.size)]
-    )
+    case = case or hawkmoth()
+    planned = design(case, vary, sample)
+    kept = {name: QUANTITIES[name] for name in choose((), list(planned.examples(case)))}
+    sheet = maps.create(None, case, planned, kept)
+    others = dict.fromkeys(kept, 1.0) | {"tip_peak_mean": 1e-3, "energy_residual": 0.0}
+    sheet.record(range(planned.size), [Outcome(others | values(i)) for i in range(planned.size)])
     return sheet
 
 
@@ -272,6 +325,23 @@ def test_a_map_is_drawn_in_the_way_that_suits_it(vary, sample, names, tmp_path):
         assert "mathdefault" not in paths[1].read_text()
         with pytest.raises(UserError, match="exists already"):
             map_plots.plot(sheet, tmp_path / "fig")
+
+
+def test_in_a_stream_lift_and_thrust_are_shown_and_weighed():
+    stream = hawkmoth("fluid.velocity=[1.0, 0.0]")
+    vary = {"wing.youngs_modulus": "1e9:1e11:5:log"}
+    with filled(vary, lambda i: {"lift_mean": 1e-3 * i, "thrust_mean": -1e-3 * i}, case=stream) as sheet:
+        assert shown(sheet.metrics)[:3] == ["lift_mean", "thrust_mean", "power_mean"]
+        assert gains(sheet.metrics) == ["lift_mean", "thrust_mean"]
+        lines = "\n".join(map_lines(sheet))
+        assert "lift_mean" in lines
+        assert "force_vertical_mean" not in lines
+        figure = map_plots.pareto(sheet)
+        assert [ax.get_ylabel() for ax in figure.axes] == ["Mean lift (mN)", "Mean thrust (mN)"]
+        assert "propulsive_efficiency" in lines
+    with filled(vary, lambda _: {}) as sheet:
+        assert gains(sheet.metrics) == ["force_vertical_mean"]
+        assert "lift_mean" not in sheet.metrics
 
 
 def test_the_heat_map_shows_the_values_of_the_map():

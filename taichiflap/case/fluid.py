@@ -20,3 +20,8 @@ class Fluid(Section):
         None, unit="m2/s", text="kinematic viscosity of the fluid", example=1.5e-5, gt=0, le=1e3
     )
     velocity: Velocity = key((0.0, 0.0), unit="m/s", text="free stream along Y and Z (-Y is up)")
+
+    @property
+    def streams(self) -> bool:
+        """Whether there is a free stream; without one the wing hovers."""
+        return any(self.velocity)

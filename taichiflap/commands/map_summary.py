@@ -8,11 +8,10 @@ from ..maps.design import Axis, Design
 from ..maps.file import Map
 from ..maps.labels import model
 from ..maps.outcome import COMPLETE, FAILED
+from ..metrics.names import shown
 from ..notation import fraction, printable, short
 from ..run.warnings import BENT
 
-SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
-"""Metrics whose range is printed."""
 REASONS = 3
 """Failed cases whose reason is printed."""
 
@@ -38,9 +37,8 @@ def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
         yield "model", model(sheet)
     for axis in design.axes:
         yield axis.key, _range(axis, design, sheet.units(axis.key))
-    for name in SHOWN:
-        if name in sheet.metrics:
-            yield from _extremes(sheet, name)
+    for name in shown(sheet.metrics):
+        yield from _extremes(sheet, name)
     failed = np.flatnonzero(status == FAILED)[:REASONS].tolist()
     for number, outcome in zip(failed, sheet.outcomes(failed), strict=True):
         yield "failed", f"{', '.join(design.settings(number))}: {outcome and outcome.reason}"
@@ -67,7 +65,7 @@ def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:
     if np.isnan(values).all():
         return
     for word, number in (("least", int(np.nanargmin(values))), ("most", int(np.nanargmax(values)))):
-        found = f"{values[number]:.4g} {fraction(sheet.units(name))}"
+        found = f"{values[number]:.4g} {fraction(sheet.units(name))}".rstrip()
         yield name if word == "least" else "", f"{word:<5} {found} at {_where(sheet.design, number)}"
 
 

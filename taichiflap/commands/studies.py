@@ -54,7 +54,7 @@ def converge(
     tolerance: Annotated[str, typer.Option(metavar="SHARE", help="largest change of a metric that is allowed")] = "1%",
     metric: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="hold this metric; may be repeated  [default: vertical force, power, tip]"),
+        typer.Option(metavar="NAME", help="hold this metric; may be repeated  [default: force, power, tip]"),
     ] = None,
     output: Annotated[
         Path | None,

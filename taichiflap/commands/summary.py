@@ -79,10 +79,8 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     forces = [one for one in (summary.force_vertical, summary.force_normal_peak, summary.lift, summary.thrust) if one]
     force = _Unit.of("N", *forces)
     if summary.lift and summary.thrust:
-        pressure = 0.5 * case.fluid.density * math.hypot(*case.fluid.velocity) ** 2
-        scale = pressure * case.wing.chord * Profile.of(case.wing.span).mean
-        yield _line("lift across stream", force.shown(summary.lift) + _coefficient(summary.lift, scale))
-        yield _line("thrust against stream", force.shown(summary.thrust) + _coefficient(summary.thrust, scale))
+        yield _line("lift across stream", force.shown(summary.lift))
+        yield _line("thrust against stream", force.shown(summary.thrust))
     else:
         yield _line("vertical force", f"{force.shown(summary.force_vertical)}, full vector")
         yield _line("", f"{force.shown(summary.force_vertical_normal)}, wing-normal part alone")
@@ -100,6 +98,9 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     yield _line("mechanical power", power.shown(summary.power))
     yield _line("  against the fluid", power.shown(summary.power_aerodynamic))
     yield _line("  positive part alone", power.shown(summary.power_positive))
+    if summary.propulsive_efficiency is not None:
+        yield _line("propulsive efficiency", f"{summary.propulsive_efficiency:.4g}")
+    yield from _coefficients(case, summary)
     if summary.wake_lost:
         yield _line("wake left out", f"about {100 * summary.wake_lost:.2g} % of the wing's speed, and of the forces")
     if summary.wake_far_error is not None:
@@ -145,8 +146,16 @@ class _Unit:
         return f"{self.factor * statistic.mean:.4g}{spread} {self.name}"
 
 
-def _coefficient(force: Statistic, scale: float) -> str:
-    return f", coefficient {force.mean / scale:.4g}" if scale else ""
+def _coefficients(case: Case, summary: Summary) -> Iterator[str]:
+    named = {
+        "C_L": summary.lift_coefficient, "C_D": summary.drag_coefficient, "C_T": summary.thrust_coefficient,
+        "C_P": summary.power_coefficient,
+    }  # fmt: skip
+    known = [f"{name} {one.mean:.4g}" for name, one in named.items() if one]
+    if known:
+        speed = f"{summary.reference_speed:.4g} m/s, {'the stream' if case.fluid.streams else 'rms at mid-chord'}"
+        yield _line("coefficients", ", ".join(known))
+        yield _line("  reference", f"{speed}; {summary.reference_area:.4g} m2, chord times span")
 
 
 def _model(case: Case) -> str:

@@ -5,13 +5,17 @@ Every kernel module takes `ti`, the array types and the parallel idiom from here
 """
 
 import contextlib
+import functools
 import io
 import os
-from typing import TYPE_CHECKING, Any
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from .taichi_patches import hasten
+from ..errors import UserError
+from .taichi_patches import free_arrays, hasten
 
 # Taichi sends its version and a machine id to an outside host, and prints a banner, unless told not to.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
@@ -37,6 +41,7 @@ else:
     import taichi as ti
 
     hasten(ti)
+    free_arrays(ti)
     View = ti.template()
     """Annotation of a `ti.func` parameter that is an array or a group of arrays."""
     Ints1, Ints2, Ints3 = (ti.types.ndarray(dtype=ti.i32, ndim=n) for n in (1, 2, 3))
@@ -57,7 +62,21 @@ LANE = 512
 """Taichi runs a parallel loop of 512 iterations or fewer on one thread. Kernels therefore loop over
 `tasks * LANE` and let the first iteration of each lane do the lane's work."""
 
-_threads = 0
+CALL = "ti.init(arch=ti.cpu, default_fp=ti.f64, fast_math=False, real_matrix_scalarize=False)"
+"""How a host program initialises Taichi so that taichiflap can share it."""
+
+alone = threading.RLock()
+"""Held by whoever compiles or launches: Taichi takes one caller at a time."""
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_runtime: Any = None
+_forked = False
+
+
+class ProgramError(UserError):
+    """Taichi cannot be had in this process: one sentence with the cause and the cure."""
 
 
 def available_threads() -> int:
@@ -65,25 +84,102 @@ def available_threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def start() -> None:
-    """Start Taichi on the CPU with strict IEEE double precision; later calls do nothing."""
-    global _threads  # noqa: PLW0603 - Taichi holds one program a process, and so do we
-    if _threads:
+def check_threads(threads: int | None) -> None:
+    """Refuse a number of threads that is none.
+
+    Raises:
+        ProgramError: when it is no whole number, or below 1.
+    """
+    if threads is None or (isinstance(threads, int | np.integer) and not isinstance(threads, bool) and threads >= 1):
         return
-    _threads = available_threads()
-    with contextlib.redirect_stdout(io.StringIO()):
-        ti.init(
-            arch=ti.cpu,
-            default_fp=ti.f64,
-            fast_math=False,
-            real_matrix_scalarize=False,
-            offline_cache=True,
-            cpu_max_num_threads=_threads,
-            log_level=ti.ERROR,
+    raise ProgramError(f"threads = {threads!r}: must be a whole number >= 1, or None for all of them")
+
+
+def exclusive(work: Callable[P, R]) -> Callable[P, R]:
+    """A function that only one thread is in at a time."""
+
+    @functools.wraps(work)
+    def one_at_a_time(*arguments: P.args, **named: P.kwargs) -> R:
+        with alone:
+            return work(*arguments, **named)
+
+    return one_at_a_time
+
+
+def start() -> Any:
+    """Start Taichi on the CPU with strict IEEE double precision; later calls see that it still is so.
+
+    A program that the host started is shared if it computes alike, and never replaced: its fields would be lost.
+
+    Returns:
+        Taichi's runtime, for `check`.
+
+    Raises:
+        ProgramError: when the host's program computes otherwise, or this process is the fork of one with a program.
+    """
+    if _forked:
+        raise ProgramError(
+            "this process was forked from one that had started Taichi, whose threads do not follow: start processes "
+            'by "spawn", for example multiprocessing.get_context("spawn")'
         )
-    # Taichi 1.7 frees arrays of numbers, but none of vectors: a study would grow with every batch.
-    vectors = ti.lang.matrix.VectorNdarray
-    vectors.__del__ = getattr(vectors, "__del__", ti.lang._ndarray.ScalarNdarray.__del__)
+    with alone:
+        if ti.lang.impl.get_runtime().prog is None:
+            with contextlib.redirect_stdout(io.StringIO()):
+                ti.init(
+                    arch=ti.cpu,
+                    default_fp=ti.f64,
+                    fast_math=False,
+                    real_matrix_scalarize=False,
+                    offline_cache=True,
+                    cpu_max_num_threads=available_threads(),
+                    log_level=ti.ERROR,
+                )
+        _take(ti.lang.impl.get_runtime())
+        return _runtime
+
+
+def check(runtime: Any) -> None:
+    """See that Taichi's runtime is still the one in which a march has its arrays.
+
+    Raises:
+        ProgramError: when the host has initialised Taichi anew since `start`.
+    """
+    if ti.lang.impl.get_runtime() is not runtime:
+        raise ProgramError("ti.init or ti.reset was called during a run, and its arrays are lost: start the run again")
+
+
+def _take(runtime: Any) -> None:
+    """Use a runtime, if its program computes as we need it. The program itself is not held: it must end with others."""
+    global _runtime  # noqa: PLW0603 - Taichi holds one program a process, and so do we
+    if runtime is _runtime:
+        return
+    config = runtime.prog.config()
+    alike = config.arch == ti.cpu and config.default_fp == ti.f64 and config.default_ip == ti.i32
+    if not alike or config.fast_math or config.real_matrix_scalarize:
+        raise ProgramError(
+            "Taichi was initialised by other code in this process, otherwise than taichiflap needs it, and to do it "
+            f"again would destroy that code's fields: initialise it there by {CALL}, or run taichiflap in a process "
+            "of its own"
+        )
+    try:
+        # Now, by the thread that made the program: the first kernel of another thread could not.
+        runtime.materialize()
+    except RuntimeError:
+        raise ProgramError(
+            "Taichi was initialised by another thread of this process, which has yet to launch its first kernel: let "
+            "it do so before taichiflap runs in this one"
+        ) from None
+    _runtime = runtime
+
+
+def _after_fork() -> None:
+    global _forked, alone  # noqa: PLW0603 - a fork is another process
+    _forked = ti.lang.impl.get_runtime().prog is not None
+    alone = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def tasks(cases: int, threads: int | None = None) -> int:
@@ -91,7 +187,8 @@ def tasks(cases: int, threads: int | None = None) -> int:
 
     With all threads allowed every case is a task of its own and the thread pool balances the load.
     """
-    if threads is None or threads >= _threads:
+    check_threads(threads)
+    if threads is None or threads >= _runtime.prog.config().cpu_max_num_threads:
         return cases
     return min(cases, threads)
 
@@ -114,5 +211,6 @@ def view(array: Any) -> np.ndarray:
 
     Taichi's own `to_numpy` and `from_numpy` compile and launch a kernel for every type and rank.
     """
-    ti.sync()
-    return np.asarray(_Memory(array))
+    with alone:
+        ti.sync()
+        return np.asarray(_Memory(array))

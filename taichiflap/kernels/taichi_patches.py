@@ -1,7 +1,8 @@
-"""What Taichi 1.7 need not do for us: a quarter of the time to read kernels, a millisecond for every array.
+"""What Taichi 1.7 need not do for us: a quarter of the time to read kernels, a millisecond for every array; and how it
+frees arrays.
 
-All of it serves messages about errors in kernels, or kernels inside classes; TAICHIFLAP_DEBUG=1 gives it back. None of
-it changes what is compiled.
+What is left out serves messages about errors in kernels, or kernels inside classes; TAICHIFLAP_DEBUG=1 gives it back.
+None of it changes what is compiled.
 """
 
 import ast
@@ -36,6 +37,34 @@ def _position(context: Any, node: Any) -> str:
     if sys.exc_info()[0] is None:
         return ""
     return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
+
+
+def free_arrays(taichi: Any) -> None:
+    """Free an array, or a group of them, in the program that made it, and in no other.
+
+    Taichi frees no array of vectors: a study would grow with every batch. Others it frees in whichever program there is
+    when they are collected, and after a `ti.init` that may be memory of somebody's fields.
+    """
+    numbers, vectors = taichi.lang._ndarray.ScalarNdarray, taichi.lang.matrix.VectorNdarray
+    vectors.__del__ = numbers.__del__
+    for kind in (numbers, vectors, taichi.lang.argpack.ArgPack):
+        _tie(kind, taichi.lang.impl.get_runtime)
+
+
+def _tie(kind: Any, runtime: Callable[[], Any]) -> None:
+    """Let objects of a kind remember the runtime that made them, and be freed in that one alone."""
+    make, free = kind.__init__, kind.__del__
+
+    @functools.wraps(make)
+    def init(self: Any, *arguments: Any, **named: Any) -> None:
+        self.made_in = runtime()
+        make(self, *arguments, **named)
+
+    def delete(self: Any) -> None:
+        if runtime() is getattr(self, "made_in", None):
+            free(self)
+
+    kind.__init__, kind.__del__ = init, delete
 
 
 def _inside_class(level_of_class_stackframe: int) -> bool:

@@ -3,7 +3,7 @@
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,11 +84,20 @@ class Design:
         Raises:
             CaseError: for an unknown key, or a value that it cannot take.
         """
+        for _ in self.examples(case):
+            pass
+
+    def examples(self, base: Case) -> Iterator[Case]:
+        """Cases with every key at the ends of its range, or at each of its values that are no numbers, in turn.
+
+        Raises:
+            CaseError: for an unknown key, or a value that it cannot take.
+        """
         first = {axis.key: axis.values[0] for axis in self.axes}
         for axis in self.axes:
             ends = (min(axis.values), max(axis.values)) if axis.numeric else dict.fromkeys(axis.values)
             for value in ends:
-                _changed(case, {**first, axis.key: value}, "--vary")
+                yield _changed(base, {**first, axis.key: value}, "--vary")
 
 
 def design(case: Case, vary: Mapping[str, Any], sample: str | None = None, seed: int = 0) -> Design:

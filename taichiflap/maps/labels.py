@@ -5,9 +5,6 @@ import numpy as np
 from .design import Axis
 from .file import Map
 
-METRICS = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
-"""Metrics that are drawn, where a map has them."""
-LIFT, POWER = "force_vertical_mean", "power_mean"
 SCALES = {
     "N": (1e3, "mN"),
     "W": (1e3, "mW"),
@@ -19,6 +16,9 @@ SCALES = {
 """What a unit is drawn in: factor and name."""
 LABELS = {
     "force_vertical_mean": "Mean vertical force",
+    "lift_mean": "Mean lift",
+    "thrust_mean": "Mean thrust",
+    "propulsive_efficiency": "Propulsive efficiency",
     "power_mean": "Mean power",
     "lift_per_power": "Lift per power",
     "tip_peak_mean": "Peak tip deflection",

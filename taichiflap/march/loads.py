@@ -53,6 +53,7 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
     force_y = axial * cosine - normal * sine
     vertical_normal = normal * sine
     force_z = axial * sine + normal * cosine
+    by_fluid, damped = _elastic_powers(section, state, frames["modal_force"])
     aerodynamic = -(force_z * moved[PLUNGE_RATE] + moment * moved[PITCH_RATE] + force_y * moved[SURGE_RATE])
     inertial = inertial_power(section, moved.T, state)
     return {
@@ -72,7 +73,16 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
         "power": aerodynamic + inertial,
         "power_aerodynamic": aerodynamic,
         "power_inertial": inertial,
+        "power_net": inertial + by_fluid - damped,
+        "energy": mechanical_energy(section, moved.T, state),
     }
+
+
+def _elastic_powers(section: Modes, state: Array, modal_force: Array) -> tuple[Array, Array]:
+    """Power (W) of the fluid on the wing as it bends, and what the structure's damping takes."""
+    rates = np.ascontiguousarray(state[:, RATE].T)
+    by_fluid = _summed(np.ascontiguousarray(modal_force.T) * rates)
+    return by_fluid, _weighted(2.0 * section.damping_ratio * section.omega, rates * rates)
 
 
 def inertial_power(section: Modes, motion: Array, state: Array) -> Array:

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from ..case.case import Case
-from ..kernels import linear
-from ..kernels.runtime import LANE, Floats3, Floats4, Ints1, View, start, tasks, ti, view
+from ..kernels import linear, runtime
+from ..kernels.runtime import LANE, Floats3, Floats4, Ints1, View, tasks, ti, view
 from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
 from ..structure import beam
 from . import divergence
@@ -212,8 +212,9 @@ class March:
         film: keep the outputs of the fluid model too; without them a step is few bytes, for studies of many cases.
     """
 
+    @runtime.exclusive
     def __init__(self, cases: Sequence[Case], fluid: Any, threads: int | None = None, film: bool = True) -> None:
-        start()
+        self._runtime = runtime.start()
         self.cases = list(cases)
         self.fluid = fluid
         self.sections = [beam.modes(case.wing) for case in self.cases]
@@ -232,6 +233,7 @@ class March:
         """Whether every case has reached its last step."""
         return self.next_step > self.steps
 
+    @runtime.exclusive
     def advance(self, steps: int) -> list[dict[str, np.ndarray]]:
         """March every case by `steps` steps and return what it stores on the way.
 
@@ -243,6 +245,7 @@ class March:
             the series of the fluid model, with the step as leading axis; `field_step`, the steps of its frames; and
             its fields, with the frame as leading axis, ragged ones one frame after the other.
         """
+        runtime.check(self._runtime)
         first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
         frames = [case.frames(last) - case.frames(first) for case in self.cases]
         self._make_room(max(1, last - first), max(1, *frames))

@@ -1,18 +1,20 @@
 """The numbers that a study keeps of each case, by name: `metrics.Summary` flattened, and what a map asks beyond it.
 
 A name is a quantity of the summary with `_mean` and `_spread` where it varies from beat to beat: `force_vertical_mean`.
-The words of a name may come in any order: `vertical_force_mean` is the same.
+Its words in another order, such as `vertical_force_mean`, are understood in this version still.
 """
 
 import cmath
 import difflib
 import math
 import typing
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
+from ..case.case import Case
 from ..errors import UserError
 from ..results.variables import VARIABLES, Variable
+from .coefficients import reference
 from .summary import ORDERS, WAVING, Statistic, Summary, summarise
 
 OF_FILM = ("circulation", "wake_")
@@ -20,7 +22,25 @@ OF_FILM = ("circulation", "wake_")
 SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and not name.startswith(OF_FILM))
 """The time series that a study can keep."""
 RATIOS = {"lift_per_power": "power_mean", "lift_per_positive_power": "power_positive_mean"}
-"""What the cycle mean of the vertical force is divided by."""
+"""What the cycle mean of the lift, or of the vertical force in hover, is divided by."""
+IN_HOVER = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
+IN_STREAM = ("lift_mean", "thrust_mean", "power_mean", "lift_per_power", "propulsive_efficiency", "tip_peak_mean")
+"""Metrics that are shown of a study, as far as it has them."""
+POWER = "power_mean"
+GAINS = {"lift_mean", "thrust_mean", "force_vertical_mean"}
+"""What is weighed against the power."""
+
+STREAM, BEAT, SPEED, FLUID = (
+    "in hover: it needs a free stream, fluid.velocity; the vertical force is force_vertical_mean",
+    "where nothing repeats: it needs motion.frequency",
+    "where nothing moves: it needs a stream, or a motion of the middle of the chord",
+    "where fluid.density is zero",
+)
+"""Where a metric is not defined."""
+OF_STREAM = ("lift_mean", "lift_spread", "thrust_", "drag_", "propulsive_")
+OF_BEATS = ("settled", "force_drift", "force_normal_phase", *(f"{name}_harmonic" for name in WAVING))
+OF_SPEED = ("lift_coefficient", "power_coefficient")
+"""How the names of metrics begin that are not defined there."""
 
 
 class QuantityError(UserError):
@@ -41,7 +61,7 @@ def _quantities() -> Iterator[tuple[str, str, str]]:
             yield f"{wave}_phase", "degree", f"{wave}_phase".replace("_", " ")
     for name, power in RATIOS.items():
         spent = power.removesuffix("_mean").replace("_", " ")
-        yield name, "N W-1", f"cycle mean of the vertical force over that of the {spent}"
+        yield name, "N W-1", f"cycle mean of the lift (in hover: of the vertical force) over that of the {spent}"
 
 
 def _alternatives(hint: Any) -> tuple[Any, ...]:
@@ -52,13 +72,50 @@ QUANTITIES = {name: Variable((), units, text) for name, units, text in _quantiti
 """Every metric of a case, by name."""
 
 
-def choose(names: Sequence[str]) -> list[str]:
+def choose(names: Sequence[str], cases: Collection[Case] = ()) -> list[str]:
     """The metrics that some names mean; all of them if none are given.
 
+    Args:
+        cases: examples of the cases that are measured: what none of them has is not offered.
+
     Raises:
-        QuantityError: for a name that is no metric.
+        QuantityError: for a name that is no metric, or that no case has.
     """
-    return list(dict.fromkeys(resolve(name) for name in names)) or list(QUANTITIES)
+    chosen = list(dict.fromkeys(resolve(name) for name in names))
+    lacking = [undefined(case) for case in cases]
+    nowhere = {name: why for name, why in lacking[0].items() if all(name in one for one in lacking)} if lacking else {}
+    for name in chosen:
+        if name in nowhere:
+            raise QuantityError(f"metric {name}: not defined {nowhere[name]}")
+    return chosen or [name for name in QUANTITIES if name not in nowhere]
+
+
+def undefined(case: Case) -> dict[str, str]:
+    """The metrics that a case cannot have, by name, each with the place where it is not defined."""
+    scale = reference(case)
+    lacking: dict[str, str] = {}
+    if not scale.force:
+        lacking |= _beginning(OF_SPEED, SPEED if case.fluid.density else FLUID)
+    if not case.fluid.streams:
+        lacking |= _beginning(OF_STREAM, STREAM)
+    if not case.periodic:
+        lacking |= _beginning(OF_BEATS, BEAT)
+    return lacking
+
+
+def _beginning(starts: tuple[str, ...], where: str) -> dict[str, str]:
+    return {name: where for name in QUANTITIES if name.startswith(starts)}
+
+
+def shown(kept: Collection[str]) -> list[str]:
+    """The metrics to show of those that a study keeps, the foremost first; some others if it keeps none of them."""
+    streams = any(name in kept for name in IN_STREAM[:2])
+    return [name for name in (IN_STREAM if streams else IN_HOVER) if name in kept] or list(kept)[: len(IN_HOVER)]
+
+
+def gains(kept: Collection[str]) -> list[str]:
+    """The metrics, of those that a study keeps, that its Pareto fronts weigh against the power."""
+    return [name for name in shown(kept) if name in GAINS] if POWER in kept else []
 
 
 def resolve(name: str) -> str:
@@ -108,7 +165,8 @@ def _flattened(summary: Summary) -> dict[str, float]:
         for n, wave in enumerate(waves, 1):
             values[f"{name}_harmonic_{n}"] = abs(wave)
             values[f"{name}_harmonic_{n}_phase"] = math.degrees(cmath.phase(wave))
+    lift = values.get("lift_mean", values["force_vertical_mean"])
     for name, power in RATIOS.items():
         if values[power]:
-            values[name] = values["force_vertical_mean"] / values[power]
+            values[name] = lift / values[power]
     return values

@@ -3,7 +3,7 @@
 import functools
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from ..case.motion import Travel
 from ..motion import sampling
 from ..results.reader import Result
 from .beats import Beats, settled_beats
+from .coefficients import reference
 
 REPEATS_WITHIN = 0.01
 """A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
@@ -22,6 +23,8 @@ MOMENTS = 512
 """Times a beat at which the motion is looked at."""
 RESOLVED = 1e-12
 """Two times (beats) that are closer are one."""
+FIRST_MODE = 0.25
+"""Mean over the chord of the square of a clamped plate's first mode, that of the tip being 1."""
 MEANS = (
     "force_vertical", "force_vertical_normal", "force_normal", "force_axial", "force_y", "force_z", "moment",
     "tip_deflection", "power", "power_aerodynamic", "power_inertial",
@@ -39,6 +42,10 @@ class Statistic:
 
     mean: float
     spread: float
+
+    def over(self, scale: float) -> "Statistic":
+        """The same quantity divided by a positive number."""
+        return Statistic(self.mean / scale, self.spread / scale)
 
     @classmethod
     def each(cls, values: Array) -> list["Statistic"]:
@@ -66,6 +73,13 @@ class Summary:
         force_normal, force_axial, force_y, force_z, moment, tip_deflection: means of these variables.
         lift, thrust: mean force across a free stream, a quarter turn counter-clockwise from it (along Z for one along
             Y), and against it; None without a stream.
+        reference_speed, reference_area: what coefficients are made with, see `metrics.coefficients`.
+        lift_coefficient: of the lift, or of the vertical force in hover; force over `rho U^2 S / 2`. None where the
+            reference speed or the density is zero.
+        drag_coefficient, thrust_coefficient: of the force along the stream and against it; None without a stream.
+        power_coefficient: mean power over `rho U^3 S / 2`.
+        propulsive_efficiency: thrust times the stream's speed over the power; None without a stream, or where the
+            actuator spends nothing.
         force_normal_peak: largest magnitude of the normal force.
         force_normal_phase: phase advance of its first harmonic over that of the plunge (of the pitch, if the
             wing does not plunge), degrees in (-180, 180]; None if the wing does neither.
@@ -79,6 +93,11 @@ class Summary:
         wake_far_error: largest error found in a wake vortex's velocity by multipoles, m/s; None where every pair is
             summed.
         wake_crossings: how often a wake vortex came upon the wing, in the whole run; None without a wake.
+        force_coefficient_peak: largest normal force but for the share that comes from acceleration, over
+            `rho V^2 S / 2` with the root mean square speed V of all points of the bent wing through the fluid. Attached
+            and separated flows give some units. None where nothing moves.
+        energy_residual: what the beats leave unaccounted for of the power into the wing against the change of its
+            energy, as a share of the actuator's gross work (or of the gross power into the wing, if that is larger).
         harmonics: complex amplitudes of the first harmonics of some variables, see `harmonics`; empty where nothing
             repeats.
     """
@@ -95,6 +114,13 @@ class Summary:
     force_z: Annotated[Statistic, "N"]
     lift: Annotated[Statistic | None, "N"]
     thrust: Annotated[Statistic | None, "N"]
+    reference_speed: Annotated[float, "m s-1"]
+    reference_area: Annotated[float, "m2"]
+    lift_coefficient: Annotated[Statistic | None, "1"]
+    drag_coefficient: Annotated[Statistic | None, "1"]
+    thrust_coefficient: Annotated[Statistic | None, "1"]
+    power_coefficient: Annotated[Statistic | None, "1"]
+    propulsive_efficiency: Annotated[float | None, "1"]
     force_normal_peak: Annotated[Statistic, "N"]
     force_normal_phase: Annotated[float | None, "degree"]
     moment: Annotated[Statistic, "N m"]
@@ -106,6 +132,8 @@ class Summary:
     power_aerodynamic: Annotated[Statistic, "W"]
     power_inertial: Annotated[Statistic, "W"]
     power_positive: Annotated[Statistic, "W"]
+    force_coefficient_peak: Annotated[float | None, "1"]
+    energy_residual: Annotated[float | None, "1"]
     wake_lost: Annotated[float | None, "1"]
     wake_far_error: Annotated[float | None, "m s-1"]
     wake_crossings: Annotated[int | None, "1"]
@@ -134,16 +162,17 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
     tip, normal = series["tip_deflection"], series["force_normal"]
     of_beats = dict(zip(series, beats.means(np.stack(list(series.values()))), strict=True))
     of_beats["power_positive"] = beats.means(np.maximum(series["power"], 0.0))
-    if any(case.fluid.velocity):
+    if case.fluid.streams:
         of_beats["lift"], of_beats["thrust"] = in_stream(case, of_beats["force_y"], of_beats["force_z"])
     of_beats["force_normal_peak"], of_beats["tip_peak"] = beats.peaks(np.stack((normal, tip)))
-    found = dict(zip(of_beats, Statistic.each(np.stack(list(of_beats.values()))), strict=True))
+    found: Any = dict(zip(of_beats, Statistic.each(np.stack(list(of_beats.values()))), strict=True))
     lift, thrust = found.pop("lift", None), found.pop("thrust", None)
     peak_time = float(time[beats.last][np.argmax(np.abs(tip[beats.last]))]) / case.beat
     drift, spread = _unrest(np.stack((of_beats["force_y"], of_beats["force_z"])), beats.force_size(result))
     waves = _waves(case, time, series, beats.frames) if case.periodic else {}
     return Summary(
         **found,
+        **_coefficients(case, lift or found["force_vertical"], thrust, found["power"]),
         lift=lift,
         thrust=thrust,
         beats=len(beats),
@@ -153,6 +182,8 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
         force_normal_phase=_phase(case, float(time[beats.frames][-1]), waves["force_normal"][0]) if waves else None,
         tip_peak_time=_fraction(peak_time) if case.periodic else peak_time,
         tip_peak_after_reversal=after_reversal(case, peak_time),
+        force_coefficient_peak=_force_coefficient(result, beats.frames),
+        energy_residual=_energy_residual(result, beats.frames),
         wake_lost=_wake_lost(result, beats.frames) if "wake_lost" in result.variables else None,
         wake_far_error=float(result.wake_far_error[-1]) if "wake_far_error" in result.variables else None,
         wake_crossings=int(result.wake_crossings[-1]) if "wake_crossings" in result.variables else None,
@@ -160,12 +191,54 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
     )
 
 
+def _coefficients(case: Case, lift: Statistic, thrust: Statistic | None, power: Statistic) -> Any:
+    """What a summary says of coefficients and efficiency, with the reference that they are made with."""
+    scale = reference(case)
+    drag = thrust and Statistic(-thrust.mean, thrust.spread)
+    forces = {"lift_coefficient": lift, "drag_coefficient": drag, "thrust_coefficient": thrust}
+    found = {name: one.over(scale.force) if one and scale.force else None for name, one in forces.items()}
+    return {
+        **found,
+        "power_coefficient": power.over(scale.power) if scale.power else None,
+        "propulsive_efficiency": thrust.mean * scale.speed / power.mean if thrust and power.mean > 0.0 else None,
+        "reference_speed": scale.speed,
+        "reference_area": scale.area,
+    }
+
+
+def _force_coefficient(result: Result, frames: slice) -> float | None:
+    """See `Summary.force_coefficient_peak`."""
+    case, time = result.case, result.time[frames]
+    if "force_normal_unsteady" not in result.variables or len(time) < 2:
+        return None
+    chord = case.wing.chord
+    behind = (0.5 - case.wing.pivot) * chord
+    square = sampling.typical_speed(case.motion, behind, case.fluid.velocity, time) ** 2
+    turning = np.gradient(result.pitch[frames], time)
+    bending = np.gradient(result.tip_deflection[frames], time)
+    square += float(np.mean(turning**2)) * chord**2 / 12.0 + float(np.mean(bending**2)) * FIRST_MODE
+    scale = 0.5 * case.fluid.density * square * reference(case).area
+    steady = result.force_normal[frames] - result.force_normal_unsteady[frames]
+    return float(np.abs(steady).max()) / scale if scale else None
+
+
+def _energy_residual(result: Result, frames: slice) -> float | None:
+    """See `Summary.energy_residual`."""
+    # From the state at the end of the beat before.
+    over = slice(max(frames.start - 1, 0), frames.stop)
+    time = result.time[over]
+    if "energy" not in result.variables or len(time) < 2 or time[1] - time[0] > 1.5 * result.case.step:
+        return None
+    net, energy, power = (getattr(result, name)[over] for name in ("power_net", "energy", "power"))
+    gross = max(np.trapezoid(np.abs(power), time), np.trapezoid(np.abs(net), time))
+    return float(abs(np.trapezoid(net, time) - (energy[-1] - energy[0])) / gross) if gross else 0.0
+
+
 def _wake_lost(result: Result, frames: slice) -> float:
     """Velocity that the wake left out, over the speed of the middle of the chord through the fluid."""
-    stream_y, stream_z = result.case.fluid.velocity
-    plunge_rate, pitch_rate = (np.gradient(values, result.time)[frames] for values in (result.plunge, result.pitch))
-    turning = 0.5 * result.case.wing.chord * pitch_rate
-    speed = math.sqrt(float(np.mean((plunge_rate - stream_z) ** 2 + stream_y**2 + turning**2)))
+    case = result.case
+    behind = (0.5 - case.wing.pivot) * case.wing.chord
+    speed = sampling.typical_speed(case.motion, behind, case.fluid.velocity, result.time[frames])
     lost = float(np.mean(result.wake_lost[frames]))
     return lost / speed if speed else 0.0
 

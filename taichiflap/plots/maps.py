@@ -1,5 +1,6 @@
 """Figures of maps: heat maps with contours, families of lines, Pareto fronts, and the path of a convergence study."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,8 @@ from .. import files
 from ..drawing import palette
 from ..maps.design import Axis
 from ..maps.file import Map, MapError
-from ..maps.labels import LIFT, METRICS, POWER, factor_of, is_log, label, model, named
+from ..maps.labels import factor_of, is_log, label, model, named
+from ..metrics.names import POWER, gains, shown
 from ..metrics.pareto import pareto_front
 from ..notation import short
 from .result import FORMATS, RESOLUTION, STYLE, WIDTH
@@ -39,8 +41,8 @@ def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False) -> list[
     """
     own = sheet.path.stem if sheet.path else "map"
     stem = Path(own) if stem is None else stem / own if stem.is_dir() else stem
-    metrics = [name for name in METRICS if name in sheet.metrics] or sheet.metrics[:4]
-    numeric = [axis for axis in sheet.design.axes if axis.numeric and len(set(axis.values)) > 1]
+    metrics = shown(sheet.metrics)
+    numeric = _varying(sheet)
     if not metrics or not numeric:
         raise MapError(f"{sheet.path}: no numeric key varies, or no metric was kept: nothing to draw")
     figures: dict[str, Figure] = {}
@@ -51,7 +53,7 @@ def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False) -> list[
             figures["lines"] = lines(sheet, metrics)
         else:
             figures["scatter"] = scatter(sheet, metrics)
-        if LIFT in sheet.metrics and POWER in sheet.metrics:
+        if gains(sheet.metrics):
             figures["pareto"] = pareto(sheet)
         heading = ", ".join(filter(None, (sheet.title, model(sheet))))
         for figure in figures.values():
@@ -92,7 +94,7 @@ def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
 
     The first two numeric keys span the maps; what else varies is named over its column.
     """
-    down, across = [i for i, axis in enumerate(sheet.design.axes) if axis.numeric][:2]
+    down, across = _varying(sheet)[:2]
     y, x = sheet.design.axes[down], sheet.design.axes[across]
     columns = _columns(sheet, {down, across})
     figure = Figure((WIDTH, 0.4 + 1.9 * len(metrics)), layout="constrained")
@@ -124,11 +126,12 @@ def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
 
 def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
     """Metrics over the one numeric key, a line for every combination of the others."""
-    along = next(i for i, axis in enumerate(sheet.design.axes) if axis.numeric)
+    along = _varying(sheet)[0]
     axis = sheet.design.axes[along]
     x, columns = _scaled(axis, sheet), _columns(sheet, {along})
-    figure = Figure((WIDTH, 4.2), layout="constrained")
-    grid = figure.subplots(2, 2, sharex=True).ravel()
+    rows = math.ceil(len(metrics) / 2)
+    figure = Figure((WIDTH, 2.1 * rows), layout="constrained")
+    grid = figure.subplots(rows, 2, sharex=True, squeeze=False).ravel()
     for ax, name in zip(grid, metrics, strict=False):
         factor = factor_of(sheet, name)
         for colour, mark, (title, place) in zip(_colours(len(columns)), MARKS * len(columns), columns, strict=False):
@@ -136,8 +139,10 @@ def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
             ax.plot(x, values, mark + "-", color=colour, markersize=3, linewidth=1, label=title or None)
         _scale_axes(ax, axis)
         ax.set_ylabel(named(name, sheet))
-    for ax in grid[2:]:
+    for ax in grid[-2:]:
         ax.set_xlabel(named(axis.key, sheet))
+    for ax in grid[len(metrics) :]:
+        ax.set_axis_off()
     if len(columns) > 1:
         grid[0].legend()
     return figure
@@ -145,7 +150,7 @@ def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
 
 def scatter(sheet: Map, metrics: Sequence[str]) -> Figure:
     """Metrics of a sample over each numeric key."""
-    keys = [axis for axis in sheet.design.axes if axis.numeric][:4]
+    keys = [sheet.design.axes[i] for i in _varying(sheet)[:4]]
     figure = Figure((WIDTH, 0.4 + 1.6 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(keys), sharex="col", sharey="row", squeeze=False)
     for row, name in zip(grid, metrics, strict=True):
@@ -160,28 +165,38 @@ def scatter(sheet: Map, metrics: Sequence[str]) -> Figure:
 
 
 def pareto(sheet: Map) -> Figure:
-    """Lift against power of every case, and the front: the cases that none beats in both."""
-    figure = Figure((0.55 * WIDTH, 3.0), layout="constrained")
-    ax = figure.subplots()
+    """Vertical force, or lift and thrust, against power, and the front: the cases that none beats in both."""
+    forces = gains(sheet.metrics)
+    figure = Figure((0.55 * WIDTH * len(forces), 3.0), layout="constrained")
+    for ax, name in zip(figure.subplots(1, len(forces), squeeze=False)[0], forces, strict=True):
+        _draw_front(ax, sheet, name)
+    return figure
+
+
+def _draw_front(ax: Any, sheet: Map, name: str) -> None:
     text = [i for i, axis in enumerate(sheet.design.axes) if not axis.numeric]
     groups = _groups(sheet, text[0]) if text else {"": np.arange(sheet.design.size)}
-    lift, power = 1e3 * sheet.values(LIFT).ravel(), 1e3 * sheet.values(POWER).ravel()
+    force, power = (factor_of(sheet, one) * sheet.values(one).ravel() for one in (name, POWER))
     for colour, mark, (title, numbers) in zip(_colours(len(groups)), MARKS * len(groups), groups.items(), strict=False):
-        ax.plot(power[numbers], lift[numbers], mark, color=colour, markersize=2, alpha=0.35, markeredgewidth=0)
-        front = numbers[pareto_front(power[numbers], lift[numbers])]
+        ax.plot(power[numbers], force[numbers], mark, color=colour, markersize=2, alpha=0.35, markeredgewidth=0)
+        front = numbers[pareto_front(power[numbers], force[numbers])]
         ax.plot(
             power[front],
-            lift[front],
+            force[front],
             mark + "-",
             color=colour,
             markersize=3,
             linewidth=1,
             label=", ".join(filter(None, ("Pareto front", title))),
         )
-    ax.set_xlabel("Mean power (mW)")
-    ax.set_ylabel("Mean vertical force (mN)")
+    ax.set_xlabel(named(POWER, sheet))
+    ax.set_ylabel(named(name, sheet))
     ax.legend()
-    return figure
+
+
+def _varying(sheet: Map) -> list[int]:
+    """Places of the keys that are an axis of a chart: of numbers, and of more than one."""
+    return [i for i, axis in enumerate(sheet.design.axes) if axis.numeric and len(set(axis.values)) > 1]
 
 
 def _write(figures: dict[str, Figure], stem: Path, overwrite: bool) -> list[Path]:

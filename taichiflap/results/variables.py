@@ -72,6 +72,11 @@ VARIABLES = {
     ),
     "power_aerodynamic": Variable(("time",), "W", "actuator's power against the fluid", "P_a"),
     "power_inertial": Variable(("time",), "W", "actuator's power for the wing's own mass", "P_i"),
+    "power_net": Variable(
+        ("time",), "W", "power into the wing: of the actuator and of the fluid, less what its damping takes", "",
+        "the rate of energy, but for the error of the time step",
+    ),
+    "energy": Variable(("time",), "J", "kinetic and elastic energy of the wing", "E"),
     "circulation": Variable(("time",), "m2 s-1", "total bound circulation", "Gamma", _SPIN),
     "suction_velocity": Variable(
         ("time",), "m s-1", "suction velocity at the leading edge", "A",

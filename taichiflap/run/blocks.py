@@ -10,6 +10,7 @@ import numpy as np
 from .. import fluids
 from ..case.case import Case
 from ..fluids.interface import Model
+from ..kernels.runtime import check_threads
 from ..march import loads
 from ..march.march import March
 from ..results import checkpoint
@@ -82,8 +83,10 @@ def simulate(
 
     Raises:
         ResultError: when a file exists already, is of another case, or cannot be written.
+        ProgramError: for a number of threads that is none; when other code in this process has Taichi otherwise.
         ValueError: when the cases of a batch do not share their solver.
     """
+    check_threads(threads)
     single = isinstance(case, Case)
     cases = [one.resolved() for one in ([case] if isinstance(case, Case) else case)]
     paths: list[Any] = [output] if single else list(output or [None] * len(cases))

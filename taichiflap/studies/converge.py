@@ -6,6 +6,7 @@ the time step the number of wake vortices is refined too, so that the wake stays
 the time step are refined once more together, which tells whether one key at a time was good enough.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,9 +15,14 @@ from .. import fluids
 from ..case.case import Case
 from ..errors import UserError
 from ..metrics.names import QUANTITIES, choose
+from ..notation import fraction
 from .ledger import Ledger, Point
 
-METRICS = ("force_vertical_mean", "power_mean", "tip_peak_mean")
+IN_HOVER = ("force_vertical_mean", "power_mean", "tip_peak_mean")
+IN_STREAM = ("lift_mean", "thrust_mean", "power_mean", "tip_peak_mean")
+"""Metrics that are held if none are named."""
+PEAK, LEAST = "force_normal_peak_mean", 0.01
+"""A mean force counts as at least this share of the peak force: one that cancels out over a beat is no scale."""
 REFINEMENTS = 5
 """A key is refined at most so often: 32 times finer, or 5 modes more."""
 STEPS, MODES, PERIODS = "time.steps_per_period", "wing.modes", "time.periods"
@@ -94,16 +100,16 @@ def converge(
         case: where to start from.
         tolerance: as a share, such as 0.01.
         output: the file that keeps every case, so that none is run twice; in memory if None.
-        metrics: which are to hold; vertical force, power and tip deflection if empty.
+        metrics: which are to hold; vertical force (in a stream lift and thrust), power and tip deflection if empty.
         told: called with every trial.
 
     Raises:
         UserError: for a metric, a file or a cluster that cannot be; for a case that fails.
     """
-    chosen = choose(metrics or METRICS)
+    chosen = choose(metrics or (IN_STREAM if case.fluid.streams else IN_HOVER), [case])
     start = _start(case)
     path = None if output is None else Path(output)
-    with Ledger(case, start, path, cluster=cluster, threads=threads, overwrite=overwrite) as ledger:
+    with Ledger(case, start, choose((), [case]), path, cluster=cluster, threads=threads, overwrite=overwrite) as ledger:
         search = _Search(case, ledger, chosen, Convergence(tolerance), told)
         for key in start:
             start = search.refine(key, start)
@@ -147,6 +153,7 @@ class _Search:
     chosen: list[str]
     found: Convergence
     told: Told | None
+    peak: float = 0.0
 
     def refine(self, key: str, start: dict[str, int]) -> dict[str, int]:
         """The coarsest point along a key whose next two refinements change little."""
@@ -181,12 +188,20 @@ class _Search:
                 where = ", ".join(f"{key}={value}" for key, value in point.items())
                 raise ConvergeError(f"the case with {where} failed: {outcome.reason}")
             found.append({name: outcome.metrics[name] for name in self.chosen})
+            for name, value in found[-1].items():
+                if math.isnan(value):
+                    raise ConvergeError(f"metric {name}: has no value in this case, so that there is nothing to refine")
+            self.peak = max(self.peak, outcome.metrics[PEAK])
         return found
 
     def change(self, pair: Sequence[dict[str, float]]) -> float:
-        """Largest change of a chosen metric, as a share of the larger value."""
+        """Largest change of a chosen metric, as a share of the larger value, or of its scale."""
         first, second = pair
-        return max(_share(first[name], second[name]) for name in self.chosen)
+        return max(_share(first[name], second[name], self._scale(name)) for name in self.chosen)
+
+    def _scale(self, name: str) -> float:
+        """What a change of a metric is at least a share of."""
+        return LEAST * self.peak if name.endswith("_mean") and QUANTITIES[name].units == "N" else 0.0
 
     def _tell(self, trial: Trial) -> None:
         self.found.trials.append(trial)
@@ -194,14 +209,15 @@ class _Search:
             self.told(trial)
 
 
-def _share(first: float, second: float) -> float:
-    size = max(abs(first), abs(second))
+def _share(first: float, second: float, least: float) -> float:
+    size = max(abs(first), abs(second), least)
     return abs(first - second) / size if size else 0.0
 
 
 def line(trial: Trial) -> str:
     """A trial as a row of the table."""
-    values = "".join(f"  {name} {value:.6g} {QUANTITIES[name].units}" for name, value in trial.metrics.items())
+    units = {name: fraction(QUANTITIES[name].units) for name in trial.metrics}
+    values = "".join(f"  {name} {value:.6g} {units[name]}".rstrip() for name, value in trial.metrics.items())
     change = "" if trial.change != trial.change else f"  changed by {100.0 * trial.change:.3g} %"
     return f"{trial.key:<22}{trial.value:>8}{values}{change}"
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from .._version import __version__
 from ..case.case import Case
+from ..kernels.runtime import check_threads
 from ..maps import file as maps
 from ..maps.design import Axis, Design, Value
 from ..maps.file import MapError
@@ -21,6 +22,7 @@ class Ledger:
     Args:
         case: the base case.
         first: a point by key; it fixes which keys vary, and is the first to be computed.
+        metrics: what is kept of every point.
         path: the map file; in memory if None. A file of the same case and keys is gone on with.
         cluster, threads: as `sweep` takes them.
         overwrite: replace a file of another study.
@@ -33,20 +35,22 @@ class Ledger:
         self,
         case: Case,
         first: Mapping[str, Value],
+        metrics: Sequence[str],
         path: Path | None,
         *,
         cluster: str | None = None,
         threads: int | None = None,
         overwrite: bool = False,
     ) -> None:
+        check_threads(threads)
         self.keys = tuple(first)
         self.cluster, self.threads = cluster, threads
         if path is not None and path.exists() and not path.is_dir() and not overwrite:
             self.sheet = maps.open_map(path, write=True)
-            self._check(case)
+            self._check(case, metrics)
         else:
             design = Design(tuple(Axis(key, (value,)) for key, value in first.items()), grid=False)
-            self.sheet = maps.create(path, case, design, QUANTITIES)
+            self.sheet = maps.create(path, case, design, {name: QUANTITIES[name] for name in metrics})
         self.sheet.case = case  # which knows the files of its tables, as the map does not
         columns = [axis.values for axis in self.sheet.design.axes]
         self._numbers: dict[Point, int] = {point: i for i, point in enumerate(zip(*columns, strict=True))}
@@ -81,9 +85,9 @@ class Ledger:
             if outcome is not None:
                 self._found[number] = outcome
 
-    def _check(self, case: Case) -> None:
+    def _check(self, case: Case, metrics: Sequence[str]) -> None:
         sheet = self.sheet
-        same = sheet.case.to_dict() == case.to_dict() and sheet.metrics == list(QUANTITIES)
+        same = sheet.case.to_dict() == case.to_dict() and sheet.metrics == list(metrics)
         if sheet.design.grid or not same or tuple(axis.key for axis in sheet.design.axes) != self.keys:
             reason = "of another case, --set or keys"
         elif sheet.version != __version__:

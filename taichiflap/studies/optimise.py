@@ -9,14 +9,13 @@ import numpy as np
 
 from ..case.case import Case
 from ..maps.design import Axis, Design, DesignError, Spread, Value
-from ..metrics.names import QUANTITIES
+from ..metrics.names import QUANTITIES, choose, shown
 from ..notation import fraction, short
 from ..run.warnings import too_bent
 from .expression import Expression, read_constraint, read_expression
 from .ledger import Ledger
 
 GENERATIONS, POPULATION = 40, 32
-SHOWN = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
 FEWEST = 5
 """Differential evolution mixes three others into each member of a population."""
 
@@ -54,6 +53,10 @@ class Optimum:
         return [f"{key}={value}" for key, value in self.point.items()]
 
 
+class _NoValueError(Exception):
+    """An objective that is defined nowhere. SciPy takes a ValueError, as a UserError is, for one of its own."""
+
+
 class _Search:
     """Points of the unit cube to objective and conditions, by way of the ledger."""
 
@@ -78,7 +81,11 @@ class _Search:
         return [self.seen[point] for point in points]
 
     def cost(self, unit: np.ndarray) -> np.ndarray:
-        return np.array([cost for cost, *_ in self.look(unit)])
+        looked = self.look(unit)
+        measured = [metrics for _, _, metrics in looked if metrics]
+        if measured and not any(np.isfinite(cost) for cost, *_ in self.seen.values()):
+            raise _NoValueError(_why_none(self.objective, measured))
+        return np.array([cost for cost, *_ in looked])
 
     def margin(self, unit: np.ndarray) -> np.ndarray:
         margins = np.array([margin for _, margin, _ in self.look(unit)])
@@ -88,7 +95,7 @@ class _Search:
         """The best case so far that meets the conditions; the one that comes closest if none does."""
         ranked = sorted(self.seen.items(), key=lambda item: (-min(item[1][1], 0.0), item[1][0]))
         for point, (cost, margin, metrics) in ranked:
-            if metrics:
+            if np.isfinite(cost):
                 values = dict(zip(self.spreads, point, strict=True))
                 edge = [key for key, value in values.items() if self.spreads[key].at_edge(value)]
                 chord = float(values.get("wing.chord", self.ledger.sheet.case.wing.chord))
@@ -140,11 +147,15 @@ def optimise(
         raise DesignError(f"a search has at least {FEWEST} cases a generation, and one generation")
     spreads = _spreads(case, vary)
     conditions = [read_constraint(text) for text in subject_to]
+    examples = list(_ends(spreads).examples(case))
+    for one in (aim, *conditions):
+        choose(one.names, examples)
     # The first generation fills the cube evenly.
     unit = qmc.LatinHypercube(len(spreads), seed=seed).random(population)
     first = {key: spread.at(unit[:1, k])[0] for k, (key, spread) in enumerate(spreads.items())}
     path = None if output is None else Path(output)
-    with Ledger(case, first, path, cluster=cluster, threads=threads, overwrite=overwrite) as ledger:
+    kept = choose((), examples)
+    with Ledger(case, first, kept, path, cluster=cluster, threads=threads, overwrite=overwrite) as ledger:
         ledger.sheet.note({"objective": aim.text, "conditions": "; ".join(subject_to)})
         search = _Search(ledger, spreads, aim, -1.0 if maximise else 1.0)
         search.conditions = conditions
@@ -156,20 +167,32 @@ def optimise(
             if told:
                 told(generation, search.best())
 
-        found = differential_evolution(
-            search.cost,
-            [(0.0, 1.0)] * len(spreads),
-            init=unit,
-            maxiter=generations - 1,
-            seed=seed,
-            polish=False,
-            updating="deferred",
-            vectorized=True,
-            callback=tell,
-            constraints=[NonlinearConstraint(search.margin, 0.0, np.inf)] if conditions else (),
-        )
+        try:
+            found = differential_evolution(
+                search.cost,
+                [(0.0, 1.0)] * len(spreads),
+                init=unit,
+                maxiter=generations - 1,
+                seed=seed,
+                polish=False,
+                updating="deferred",
+                vectorized=True,
+                callback=tell,
+                constraints=[NonlinearConstraint(search.margin, 0.0, np.inf)] if conditions else (),
+            )
+        except _NoValueError as error:
+            raise DesignError(str(error)) from None
         best = search.best()
         return best and Optimum(**{**vars(best), "converged": bool(found.success)})
+
+
+def _why_none(objective: Expression, measured: Sequence[Mapping[str, float]]) -> str:
+    """Why an objective has no finite value in any of the cases."""
+    columns = {name: np.array([metrics[name] for metrics in measured]) for name in objective.names}
+    found = [f"{name} has no value" for name, values in columns.items() if np.isnan(values).all()]
+    found += [f"{name} is 0" for name, values in columns.items() if not values.any()]
+    reason = " and ".join(found) or "it divides by zero, or takes a root of what is negative"
+    return f"{objective.text!r}: has no finite value in any of the first {len(measured)} cases: {reason}"
 
 
 def _aim(maximise: str | None, minimise: str | None) -> Expression:
@@ -183,9 +206,14 @@ def _spreads(case: Case, vary: Mapping[str, Any]) -> dict[str, Spread]:
         raise DesignError("nothing varies: give --vary KEY=a:b at least once")
     document = case.to_dict()
     spreads = {key: Spread.read(key, spec, document) for key, spec in vary.items()}
-    ends = np.array([0.0, 1.0])
-    Design(tuple(Axis(key, spread.at(ends)) for key, spread in spreads.items()), grid=False).check(case)
+    _ends(spreads).check(case)
     return spreads
+
+
+def _ends(spreads: Mapping[str, Spread]) -> Design:
+    """The ends of all ranges, and all values of lists."""
+    several = np.linspace(0.0, 1.0, max(2, *(len(spread.listed) for spread in spreads.values())))
+    return Design(tuple(Axis(key, spread.at(several)) for key, spread in spreads.items()), grid=False)
 
 
 def line(best: Optimum | None) -> str:
@@ -200,12 +228,13 @@ def verdict(best: Optimum | None, path: Path) -> list[str]:
     """What the search found, in lines."""
     if best is None:
         return ["no case came to its end: there is no best one"]
-    shown = [f"  {name:<24}{best.metrics[name]:.6g} {fraction(QUANTITIES[name].units)}" for name in SHOWN]
+    units = {name: fraction(QUANTITIES[name].units) for name in shown(best.metrics)}
+    lines = [f"  {name:<24}{best.metrics[name]:.6g} {unit}".rstrip() for name, unit in units.items()]
     stopped = "the population came together" if best.converged else "the last generation was reached"
     return [
         f"{best.evaluations} cases looked at, {stopped}; all of them are in {path}",
         f"{'best case' if best.holds else 'NO CASE MEETS THE CONDITIONS; the closest'}: {best.value:.6g}",
-        *shown,
+        *lines,
         *(f"warning: {doubt}" for doubt in best.doubts),
         *(
             f"{key} = {short(best.point[key])} is at the edge of its range: better may lie beyond"

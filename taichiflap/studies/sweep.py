@@ -8,6 +8,8 @@ from typing import Any
 
 from .._version import __version__
 from ..case.case import Case, CaseError
+from ..errors import extra
+from ..kernels.runtime import check_threads
 from ..maps import file as maps
 from ..maps.design import Design, design
 from ..maps.file import Map, MapError
@@ -83,6 +85,8 @@ def sweep(
     Raises:
         UserError: for a design, a metric, a file or a cluster that cannot be, in one sentence.
     """
+    check_threads(threads)
+    extra("xarray", "xarray", "sweep returns an xarray.Dataset, which needs xarray", MapError)
     planned = design(case, vary, sample, seed)
     with prepare(case, planned, output, metrics=metrics, keep=keep, overwrite=overwrite) as sheet:
         fill(sheet, cluster=cluster, threads=threads, progress=progress)
@@ -104,7 +108,7 @@ def prepare(
         MapError: when the file belongs to another study.
         QuantityError: for a metric that does not exist.
     """
-    chosen = choose(metrics)
+    chosen = choose(metrics, list(planned.examples(case)))
     if keep not in (None, "series"):
         raise MapError(f"--keep {keep}: only series can be kept beside the metrics")
     path = None if output is None else Path(output)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from taichiflap.maps.design import Axis
 from taichiflap.maps.file import Map
-from taichiflap.maps.labels import LIFT, METRICS, POWER, factor_of, is_log
+from taichiflap.maps.labels import factor_of, is_log
+from taichiflap.metrics.names import POWER, gains, shown
 from taichiflap.metrics.pareto import pareto_front
 from taichiflap.notation import short
 
@@ -87,7 +88,7 @@ def opening(sheet: Map) -> Choice:
     """What is shown at first: the first metric over the first two keys, or over the only one."""
     varying = [axis for axis in sheet.design.axes if len(set(axis.values)) > 1] or list(sheet.design.axes)
     keys = [axis.key for axis in sorted(varying, key=lambda axis: not axis.numeric)]
-    metric = next((name for name in METRICS if name in sheet.metrics), sheet.metrics[0])
+    metric = shown(sheet.metrics)[0]
     return Choice(keys[1], keys[0], metric) if len(keys) > 1 else Choice(keys[0], metric, metric)
 
 
@@ -111,7 +112,9 @@ def read(sheet: Map, choice: Choice) -> Picture:
         return Picture(cells, values[cells], None, across, up)
     sides = [_of_points(sheet, name) for name in (choice.across, choice.up)]
     points = np.stack([places for places, _ in sides], axis=1)
-    fronts = _fronts(sheet) if {choice.across, choice.up} == {LIFT, POWER} else ()
+    sides_of = {choice.across, choice.up}
+    gain = next((name for name in gains(sheet.metrics) if sides_of == {name, POWER}), None)
+    fronts = _fronts(sheet, gain) if gain else ()
     return Picture(numbers, values, points, sides[0][1], sides[1][1], fronts)
 
 
@@ -120,13 +123,13 @@ def _is_heat_map(sheet: Map, choice: Choice) -> bool:
     return sheet.design.grid and choice.across != choice.up and choice.across in keys and choice.up in keys
 
 
-def _fronts(sheet: Map) -> list[NDArray[np.intp]]:
-    """Pareto fronts of lift against power: one for each value of the first key of text, or one of all cases."""
-    lift, power = sheet.values(LIFT).ravel(), sheet.values(POWER).ravel()
+def _fronts(sheet: Map, gain: str) -> list[NDArray[np.intp]]:
+    """Pareto fronts of a force against power: one for each value of the first key of text, or one of all cases."""
+    force, power = sheet.values(gain).ravel(), sheet.values(POWER).ravel()
     texts = [_column(sheet, axis.key) for axis in sheet.design.axes if not axis.numeric]
-    kinds = texts[0] if texts else np.zeros(len(lift))
+    kinds = texts[0] if texts else np.zeros(len(force))
     alike = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
-    return [numbers[pareto_front(power[numbers], lift[numbers])] for numbers in alike]
+    return [numbers[pareto_front(power[numbers], force[numbers])] for numbers in alike]
 
 
 def _axis(sheet: Map, name: str) -> Axis | None:

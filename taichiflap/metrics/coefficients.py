@@ -1,0 +1,66 @@
+"""Reference speed and area of a case: what makes its forces and its power coefficients.
+
+The reference speed is that of the free stream; in hover the root mean square over a beat (or the whole run, where
+nothing repeats) of the speed of the middle of the chord, the reference point. The area is chord times mean span.
+"""
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..case.case import Case
+from ..case.fluid import Fluid
+from ..case.motion import Motion
+from ..case.wing import Wing
+from ..motion.sampling import typical_speed
+from ..structure.chordwise import Profile
+
+MOMENTS = 512
+"""Times at which the speed is looked at."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What forces and power are divided by.
+
+    Attributes:
+        speed: m/s.
+        area: m2.
+        density: of the fluid, kg/m3.
+        stream: whether the speed is that of a free stream.
+    """
+
+    speed: float
+    area: float
+    density: float
+    stream: bool
+
+    @property
+    def force(self) -> float:
+        """`rho U^2 S / 2`, N: that of a coefficient of one."""
+        return 0.5 * self.density * self.speed**2 * self.area
+
+    @property
+    def power(self) -> float:
+        """`rho U^3 S / 2`, W."""
+        return self.force * self.speed
+
+
+def reference(case: Case) -> Reference:
+    """The reference speed and area of a case."""
+    stream = case.fluid.streams
+    speed = math.hypot(*case.fluid.velocity) if stream else speed_of_middle(case)
+    return Reference(speed, case.wing.chord * Profile.of(case.wing.span).mean, case.fluid.density, stream)
+
+
+def speed_of_middle(case: Case) -> float:
+    """Root mean square of the speed (m/s) of the middle of the chord through the fluid, over the last beat."""
+    return _speed(case.motion, case.wing, case.fluid, case.duration, case.beat)
+
+
+@functools.lru_cache(maxsize=256)
+def _speed(motion: Motion, wing: Wing, fluid: Fluid, duration: float, beat: float) -> float:
+    times = max(0.0, duration - beat) + min(beat, duration) * (np.arange(MOMENTS) + 0.5) / MOMENTS
+    return typical_speed(motion, (0.5 - wing.pivot) * wing.chord, fluid.velocity, times)
