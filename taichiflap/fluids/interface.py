@@ -168,6 +168,7 @@ class Model:
             unit and range; None where it may say anything.
         elements: into how many elements along the chord it divides the wing, unless it has `nodes` of its own.
         draws_flow: whether `velocity` has an answer.
+        sheds_behind: whether a wake leaves the trailing edge, so that a stream must not come to that edge first.
     """
 
     name: ClassVar[str]
@@ -175,6 +176,7 @@ class Model:
     numbers: ClassVar[type[Section] | None] = None
     elements: ClassVar[int] = 50
     draws_flow: ClassVar[bool] = False
+    sheds_behind: ClassVar[bool] = False
 
     def nodes(self, case: Case) -> Array:
         """Positions of the nodes along the chord, from the pivot, m: the ends of its `elements`, which are equal."""

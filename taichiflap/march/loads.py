@@ -1,5 +1,6 @@
 """From what a march tracks to the series and fields that a result holds: positions, inertial forces, power."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,9 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
     by_fluid, damped = _elastic_powers(section, state, frames["modal_force"])
     aerodynamic = -(force_z * moved[PLUNGE_RATE] + moment * moved[PITCH_RATE] + force_y * moved[SURGE_RATE])
     inertial = inertial_power(section, moved.T, state)
+    streaming = (
+        dict(zip(("lift", "thrust"), in_stream(case, force_y, force_z), strict=True)) if case.fluid.streams else {}
+    )
     return {
         "time": case.step * frames["step"],
         "plunge": moved[PLUNGE],
@@ -69,6 +73,7 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
         "force_z": force_z,
         "force_vertical": -force_y,
         "force_vertical_normal": vertical_normal,
+        **streaming,
         "moment": moment,
         "power": aerodynamic + inertial,
         "power_aerodynamic": aerodynamic,
@@ -76,6 +81,13 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
         "power_net": inertial + by_fluid - damped,
         "energy": mechanical_energy(section, moved.T, state),
     }
+
+
+def in_stream(case: Case, force_y: Array, force_z: Array) -> tuple[Array, Array]:
+    """Lift and thrust of a force (N): across the free stream, a quarter turn counter-clockwise from it, and against."""
+    speed = math.hypot(*case.fluid.velocity)
+    stream_y, stream_z = (component / speed for component in case.fluid.velocity)
+    return force_z * stream_y - force_y * stream_z, -(force_y * stream_y + force_z * stream_z)
 
 
 def _elastic_powers(section: Modes, state: Array, modal_force: Array) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..case.motion import Travel
+from ..march.loads import in_stream
 from ..motion import sampling
 from ..results.reader import Result
 from .beats import Beats, settled_beats
@@ -138,13 +139,6 @@ class Summary:
     wake_far_error: Annotated[float | None, "m s-1"]
     wake_crossings: Annotated[int | None, "1"]
     harmonics: dict[str, list[complex]]
-
-
-def in_stream(case: Case, force_y: Array, force_z: Array) -> tuple[Array, Array]:
-    """Lift and thrust of a force (N): across the free stream, a quarter turn counter-clockwise from it, and against."""
-    speed = math.hypot(*case.fluid.velocity)
-    stream_y, stream_z = (component / speed for component in case.fluid.velocity)
-    return force_z * stream_y - force_y * stream_z, -(force_y * stream_y + force_z * stream_z)
 
 
 def summarise(result: Result, beats: Beats | None = None) -> Summary | None:

@@ -66,6 +66,11 @@ VARIABLES = {
     "force_vertical_normal": Variable(
         ("time",), "N", "vertical force of force_normal alone", "-F_N e_z . e_Y", _INERTIAL
     ),
+    "lift": Variable(
+        ("time",), "N", "force across the free stream", "L",
+        "a quarter turn counter-clockwise from the stream in (Y, Z); where there is a stream",
+    ),
+    "thrust": Variable(("time",), "N", "force against the free stream", "T", "where there is a stream"),
     "moment": Variable(("time",), "N m", "fluid moment about the pivot", "M", _SPIN),
     "power": Variable(
         ("time",), "W", "mechanical power that the actuator must give", "P", "power_aerodynamic + power_inertial"

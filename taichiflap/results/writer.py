@@ -118,6 +118,11 @@ class Writer:
         """Steps that the file holds."""
         return Result(self._file).steps
 
+    @property
+    def names(self) -> list[str]:
+        """Names of what is appended."""
+        return list(self._places)
+
     def written(self, name: str) -> np.ndarray:
         """What was appended of a variable of one value a step; past HDF5, which need not know of it yet."""
         offset, kind = self._places[name]

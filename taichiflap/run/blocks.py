@@ -13,6 +13,7 @@ from ..fluids.interface import Model
 from ..kernels.runtime import check_threads
 from ..march import loads
 from ..march.march import March
+from ..metrics.summary import Summary, summarise
 from ..results import checkpoint
 from ..results.checkpoint import Checkpoint
 from ..results.layout import Contents
@@ -167,13 +168,30 @@ def _run(
         results = []
         for b, writer in enumerate(writers):
             reason = march.reason(b)
-            more = [] if reason else warnings.outcome(writer.case, writer.written("tip_deflection"))
+            more = [] if reason else warnings.outcome(writer.case, writer.written("tip_deflection"), _summary(writer))
             results.append(writer.finish("failed" if reason else "complete", solve_time, reason, more))
         return results
     except BaseException:
         for writer in writers:
             writer.abandon()
         raise
+
+
+class _Written:
+    """What a writer was given, as a result gives it."""
+
+    def __init__(self, writer: Writer) -> None:
+        self.case = writer.case
+        self.variables = writer.names
+        self._writer = writer
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        return self._writer.written(name)
+
+
+def _summary(writer: Writer) -> Summary | None:
+    run: Any = _Written(writer)
+    return summarise(run)
 
 
 def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint | None] | None) -> float:

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from .. import fluids
 from ..case.case import Case
+from ..case.solver import ELSEWHERE
+from ..metrics.summary import Summary
 from ..motion import sampling
 from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE, SURGE_RATE
 from ..structure import beam
@@ -28,12 +30,20 @@ MASS_RATIO = 0.005, 1000.0
 """A wing's mass over that of the fluid that moves with it: of a foil in water, and of a plate in air."""
 BENT = 0.3
 """Tip deflection, in chords, at which a load on the tip of a real beam bends it a tenth less than a linear one."""
+BROKEN = 1.0
+"""Tip deflection, in chords, that no wing can have: its chord is no longer."""
+FORCE = 40.0
+"""Normal force but for added mass, in `rho V^2 S / 2` (`Summary.force_coefficient_peak`), of which flows give some."""
+UNACCOUNTED = 0.03
+"""Share of the work that a run may leave unaccounted for, without a word."""
+BACKWARDS = -0.1
+"""Mean speed from the leading to the trailing edge, over the root mean square speed, of a flow from behind."""
 TIMES = 2048
 
 
 def warnings(case: Case) -> list[str]:
     """What is implausible about a case, one sentence each; an empty list when nothing is."""
-    found = [*_of_mass(case), *_of_speed(case), *tables.warnings(case)]
+    found = [*_of_mass(case), *_of_speed(case), *tables.warnings(case), *_of_numbers(case), *_of_stream(case)]
     with fluids.blamed(case.solver):
         found += fluids.load(case.solver).warnings(case)
         size = file_size(case)
@@ -53,9 +63,11 @@ def warnings(case: Case) -> list[str]:
     return found
 
 
-def outcome(case: Case, tip_deflection: NDArray[np.float64]) -> list[str]:
+def outcome(case: Case, tip_deflection: NDArray[np.float64], summary: Summary | None = None) -> list[str]:
     """What is implausible about what came of a case, one sentence each; an empty list when nothing is."""
     found = list(too_bent(float(np.abs(tip_deflection).max(initial=0.0)), case.wing.chord))
+    if summary:
+        found += [*too_strong(summary.force_coefficient_peak), *unbalanced(summary.energy_residual, case)]
     model = fluids.load(case.solver)
     attached = model.attached_in(case)
     if attached is not None:
@@ -71,10 +83,56 @@ def outcome(case: Case, tip_deflection: NDArray[np.float64]) -> list[str]:
 def too_bent(tip_peak: float, chord: float) -> Iterator[str]:
     """A sentence on a largest tip deflection (m) that a linear beam is not good for."""
     bent = tip_peak / chord
-    if bent > BENT:
+    if bent > BROKEN:
+        yield (
+            f"the model does not hold: the trailing edge bends by up to {bent:.2g} chords, further than the chord is "
+            "long; no number of this run means anything; give a stiffer wing"
+        )
+    elif bent > BENT:
         yield (
             f"the trailing edge bends by up to {bent:.2g} chords: "
             f"beyond {BENT:g} the linear beam errs by more than a tenth"
+        )
+
+
+def too_strong(coefficient: float | None) -> Iterator[str]:
+    """A sentence on a largest force coefficient that no flow gives."""
+    if coefficient is not None and coefficient > FORCE:
+        yield (
+            f"the model does not hold: the normal force but for added mass reaches {coefficient:.2g} times "
+            f"rho V^2 S / 2, of which flows give some units and this warning allows {FORCE:g}; "
+            "give more panels and steps, or a larger uvlm.core"
+        )
+
+
+def unbalanced(residual: float | None, case: Case) -> Iterator[str]:
+    """A sentence on energy that a run leaves unaccounted for."""
+    if residual is None or residual <= UNACCOUNTED:
+        return
+    if case.time.periods is None:
+        cure = f"give a smaller time.step, such as {0.5 * case.step:.3g}"
+    else:
+        cure = f"give more time.steps_per_period, such as {2.0 * case.steps_per_beat:g}"
+    yield f"{100.0 * residual:.2g} % of the work is unaccounted for: the step is too long; {cure}"
+
+
+def _of_numbers(case: Case) -> Iterator[str]:
+    if case.numbers and not case.solver.startswith(ELSEWHERE):
+        names = ", ".join(case.numbers)
+        yield f'numbers are for a fluid model of your own: solver = "{case.solver}" reads none of {names}'
+
+
+def _of_stream(case: Case) -> Iterator[str]:
+    """A model that sheds its wake from the trailing edge does so whichever edge the flow comes to first."""
+    model = fluids.load(case.solver)
+    if not model.sheds_behind or not case.fluid.streams:
+        return
+    along, across = _flow(case)
+    speed = math.sqrt(float(np.mean(along**2 + across**2)))
+    if speed and np.mean(along) < BACKWARDS * speed:
+        yield (
+            f"the stream, fluid.velocity = [{case.fluid.velocity[0]:g}, {case.fluid.velocity[1]:g}] m/s, meets the "
+            f"trailing edge first, but {model.name} sheds the wake there: turn the stream, or the wing by motion.pitch.mean_deg"
         )
 
 
@@ -116,22 +174,28 @@ def _last_beat(case: Case) -> NDArray[np.float64]:
 
 def _angle(case: Case) -> float:
     """Mean angle (degrees) of the flow to the rigid chord at its middle, weighted by the square of the flow's speed."""
-    moved = sampling.sample(case.motion, _last_beat(case))
-    cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
-    stream_y = case.fluid.velocity[0] - moved[:, SURGE_RATE]
-    stream_z = case.fluid.velocity[1] - moved[:, PLUNGE_RATE]
-    along = stream_y * cosine + stream_z * sine
-    across = stream_z * cosine - stream_y * sine - (0.5 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
+    along, across = _flow(case)
     pressure = along**2 + across**2
     if not pressure.any():
         return 0.0
     return math.degrees(float(np.average(np.arctan2(np.abs(across), np.abs(along)), weights=pressure)))
 
 
+def _flow(case: Case) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Velocity (m/s) of the flow along and across the rigid chord at its middle, over the last beat."""
+    moved = sampling.sample(case.motion, _last_beat(case))
+    cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
+    stream_y = case.fluid.velocity[0] - moved[:, SURGE_RATE]
+    stream_z = case.fluid.velocity[1] - moved[:, PLUNGE_RATE]
+    along = stream_y * cosine + stream_z * sine
+    across = stream_z * cosine - stream_y * sine - (0.5 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
+    return along, across
+
+
 def file_size(case: Case) -> float:
     """Size of a case's result file, bytes, but for a few percent."""
     model = fluids.load(case.solver)
-    step = 8.0 * (18 + 4 * case.wing.modes)
+    step = 8.0 * (21 + 2 * case.fluid.streams + 4 * case.wing.modes)
     shape = 4.0 * 2 * len(model.nodes(case))
     ragged = sum(4.0 * model.totals(case)[one.over[0]] for one in model.outputs if one.ragged)
     plain = model.frame_bytes(case) - sum(4.0 * model.entries(case, case.steps) for one in model.outputs if one.ragged)

@@ -21,6 +21,7 @@ class Uvlm(Model):
 
     name = "UVLM"
     draws_flow = True
+    sheds_behind = True
     outputs = (
         *standard("circulation", "panel_circulation", "pressure_jump"),
         *WAKE,
