@@ -171,11 +171,19 @@ def plot(
     other: Annotated[Path | None, typer.Argument(help="a second one, to compare", show_default=False)] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="folder, or how the names begin  [default: the result's name, here]"),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="NAME[.pdf|.eps|.svg|.png]",
+            help="folder, or how the names begin, and the kind  [default: the result's name, here, as PNG and SVG]",
+        ),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing figures")] = False,
+    whole: Annotated[
+        bool, typer.Option("--whole", help="of a map, no grey for cases for which the model does not hold")
+    ] = False,
 ) -> None:
-    """Draw for print, as PNG and SVG: the last beat of one result or two, and the wing of each; or a map."""
+    """Draw for print: the last beat of one result or two, and the wing of each; or a map."""
     from contextlib import ExitStack
 
     from .maps.file import is_map, open_map
@@ -185,7 +193,7 @@ def plot(
         from .plots import maps as map_plots
 
         with open_map(file) as sheet:
-            for path in map_plots.plot(sheet, output, overwrite):
+            for path in map_plots.plot(sheet, output, overwrite, whole):
                 print(f"{path} written")
         return
     with ExitStack() as stack:
@@ -198,8 +206,8 @@ def plot(
 
 @app.command(short_help="Write a result as table, for ParaView, or as film.")
 def export(
-    file: Annotated[Path, typer.Argument(help="result file", show_default=False)],
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4 or gif")],
+    file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)],
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4 or gif; of a map csv")],
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="file, or folder  [default: the result's name, here]")
     ] = None,
@@ -209,10 +217,18 @@ def export(
     dark: Annotated[bool, typer.Option("--dark", help="a film on a dark ground")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
-    """Write a result as a table, for ParaView, or as a page or film that plays its last beats."""
+    """Write a result as a table, for ParaView, or as a page or film that plays its last beats; or a map as a table."""
     from .export.formats import export as write
+    from .export.formats import export_map
+    from .maps.file import is_map, open_map
     from .results.reader import open_result
 
+    if is_map(file):
+        if beats is not None or dark:
+            raise UserError("--beats and --dark are for results: a map is exported as csv")
+        with open_map(file) as sheet:
+            print(f"{export_map(sheet, to, output, overwrite)} written")
+        return
     with open_result(file) as result:
         print(f"{write(result, to, output, beats, overwrite, dark=dark)} written")
 

@@ -4,18 +4,23 @@ import contextlib
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, Protocol
 
 from . import disk
 from .errors import UserError
-from .results.reader import Result
+
+
+class Stored(Protocol):
+    """A result or a map: what has a path, or none while it is in memory."""
+
+    path: Path | None
 
 
 class OutputError(UserError):
     """An output that cannot be written: one sentence with the path and the cause."""
 
 
-def place(result: Result, path: Path | None, suffix: str = "") -> Path:
+def place(result: Stored, path: Path | None, suffix: str = "") -> Path:
     """Where an output goes: to `path`, under the result's name if that is a folder, or here if it is None."""
     own = Path(result.path.name.removesuffix(".part")).stem if result.path else "result"
     if path is None:

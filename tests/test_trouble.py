@@ -136,7 +136,7 @@ def test_extreme_cases_end_well_or_say_why_not(solver, settings, statuses):
         assert np.isfinite(getattr(result, name)).all()
     text = "\n".join(summary_lines(result))
     if result.status == "failed":
-        assert "Likely to help" in result.attributes["reason"]
+        assert "Twice the steps" in result.attributes["reason"]
     elif "wing.youngs_modulus=1e6" in settings:
         assert "below the flapping frequency" in result.attributes["warnings"]
     else:

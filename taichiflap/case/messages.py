@@ -199,5 +199,15 @@ def key_units(name: str, root: type[BaseModel]) -> tuple[str, str]:
     return str(extra.get("unit", "")) if isinstance(extra, dict) else "", field.description or ""
 
 
+def holds_whole(name: str, document: Mapping[str, Any], root: type[BaseModel]) -> bool:
+    """Whether the numbers that a dotted key of a document may hold are whole ones."""
+    *_, last = name.split(".")
+    owner, key = _owner([*name.split(".")], document, root)
+    if owner is None or key != last:
+        return False
+    kinds = {kind.get("type") for kind in _alternatives(_schema(owner)["properties"][key])}
+    return "integer" in kinds and "number" not in kinds
+
+
 def _listed(value: Any) -> Any:
     return [_listed(item) for item in value] if isinstance(value, list | tuple) else value

@@ -10,7 +10,8 @@ from ..maps.labels import model
 from ..maps.outcome import COMPLETE, FAILED
 from ..metrics.names import shown
 from ..notation import fraction, printable, short
-from ..run.warnings import BENT
+from ..run import limits
+from ..run.warnings import BENT, BROKEN, FORCE, UNACCOUNTED
 
 REASONS = 3
 """Failed cases whose reason is printed."""
@@ -47,17 +48,28 @@ def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
 def _doubts(sheet: Map) -> Iterator[str]:
     """How many cases are beyond what the models are good for, or not at rest yet."""
     complete = sheet.status == COMPLETE
-    if "tip_peak_mean" in sheet.metrics and not any(axis.key == "wing.chord" for axis in sheet.design.axes):
-        bent = np.sum(sheet.values("tip_peak_mean").ravel()[complete] > BENT * sheet.case.wing.chord)
-        if bent:
-            yield (
-                f"in {bent:,} of {complete.sum():,} cases the trailing edge bends by more than {BENT:g} chords, "
-                "where the linear beam errs by more than a tenth"
-            )
+    of = f"of {complete.sum():,} cases"
+    broken = limits.broken(sheet)
+    bent = np.sum(limits.bent(sheet) & ~broken)
+    if broken.any():
+        yield (
+            f"in {broken.sum():,} {of} the model does not hold: the trailing edge bends by more than {BROKEN:g} chord, "
+            f"or the normal force is over {FORCE:g} times rho V^2 S / 2; pictures show them in grey"
+        )
+    if bent:
+        yield (
+            f"in {bent:,} {of} the trailing edge bends by more than {BENT:g} chords, "
+            "where the linear beam errs by more than a tenth"
+        )
+    if limits.unbalanced(sheet).any():
+        yield (
+            f"in {limits.unbalanced(sheet).sum():,} {of} more than {100.0 * UNACCOUNTED:g} % of the work is "
+            "unaccounted for (metric energy_residual): give more time.steps_per_period"
+        )
     if "settled" in sheet.metrics:
         restless = np.sum(sheet.values("settled").ravel()[complete] == 0.0)
         if restless:
-            yield f"in {restless:,} of {complete.sum():,} cases the beats have not settled (metric settled)"
+            yield f"in {restless:,} {of} the beats have not settled (metric settled)"
 
 
 def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:

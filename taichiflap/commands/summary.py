@@ -47,7 +47,7 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
     else:
         yield "no whole beat yet: no statistics" if case.periodic else "not complete: no statistics"
     if "solve_time" in attributes:
-        done = case.steps if result.status == "complete" else round(result.time[-1] / case.step)
+        done = case.steps if result.status == "complete" else max(0, len(result.time) - 1)
         yield _line("solve time", f"{attributes['solve_time']:.3g} s for {done} steps")
     if summary and _unrest(summary):
         yield f"warning: {_unrest(summary)}"

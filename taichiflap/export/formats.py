@@ -4,6 +4,7 @@ from pathlib import Path
 
 from .. import files
 from ..drawing import palette
+from ..maps.file import Map
 from ..results.reader import Result
 
 FORMATS = ("csv", "vtkhdf", "html", "mp4", "gif")
@@ -62,4 +63,24 @@ def export(
 
         theme = palette.DARK if dark else palette.LIGHT
         (write_mp4 if kind == "mp4" else write_gif)(result, path, beats or BEATS[kind], theme)
+    return path
+
+
+def export_map(sheet: Map, kind: str, path: Path | None = None, overwrite: bool = False) -> Path:
+    """Write a map as a table and return the file's name.
+
+    Args:
+        kind: `csv`.
+        path: the file, or a folder to put it in; the map's own name, here, if None.
+
+    Raises:
+        OutputError: for another format, a file that exists already, or one that cannot be written.
+    """
+    if kind != "csv":
+        raise files.OutputError(f"a map is exported as csv, not as {kind!r}; taichiflap plot draws it")
+    path = files.place(sheet, path, f".{kind}")
+    files.check(path, overwrite)
+    from .table import write_map_csv  # noqa: PLC0415 - as above
+
+    write_map_csv(sheet, path)
     return path

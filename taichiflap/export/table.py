@@ -1,8 +1,14 @@
-"""Series over time as CSV, for a spreadsheet or any other program."""
+"""Series over time, and maps, as CSV, for a spreadsheet or any other program."""
 
+import csv
+import io
 from pathlib import Path
 
+import numpy as np
+
 from .. import files
+from ..maps.file import Map
+from ..maps.outcome import COMPLETE, FAILED
 from ..results.reader import Result
 from ..results.variables import AXES
 
@@ -29,3 +35,28 @@ def write_csv(result: Result, path: Path) -> None:
     with files.replacing(path) as file:
         file.write((",".join(name for name, _ in columns) + "\n").encode())
         file.writelines((",".join(row) + "\n").encode() for row in rows)
+
+
+def write_map_csv(sheet: Map, path: Path) -> None:
+    """Write a map, one row a case: its keys, its metrics, its status, and why it failed if it did.
+
+    The header row carries names and units; what a case has not got is left empty.
+
+    Raises:
+        OutputError: when the file cannot be written.
+    """
+    names = [axis.key for axis in sheet.design.axes]
+    units = [sheet.units(name) for name in (*names, *sheet.metrics)]
+    header = [f"{name} ({unit})" if unit else name for name, unit in zip((*names, *sheet.metrics), units, strict=True)]
+    columns = [sheet.values(name).ravel().tolist() for name in sheet.metrics]
+    statuses = {COMPLETE: "complete", FAILED: "failed"}
+    outcomes = sheet.outcomes(range(sheet.design.size))
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*header, "status", "reason"])
+    for number, (status, outcome) in enumerate(zip(sheet.status.tolist(), outcomes, strict=True)):
+        values = ["" if np.isnan(column[number]) else repr(column[number]) for column in columns]
+        reason = outcome.reason if outcome else ""
+        table.writerow([*sheet.design.point(number).values(), *values, statuses.get(status, "to do"), reason])
+    with files.replacing(path) as file:
+        file.write(text.getvalue().encode())

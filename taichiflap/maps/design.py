@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..case.case import Case, read_value
+from ..case.messages import holds_whole
 from ..errors import UserError
 
 EDGE = 0.02
@@ -167,7 +168,7 @@ class Spread:
         """
         label = f"--vary {key}={spec}" if isinstance(spec, str) else f"vary {key}"
         held = _held(document, key)
-        whole = isinstance(held, int) and not isinstance(held, bool)
+        whole = holds_whole(key, document, Case)
         if isinstance(spec, str) and ":" in spec and not spec.startswith(("[", '"', "{")):
             return cls._range(label, spec.split(":"), whole)
         if isinstance(spec, str):

@@ -1,4 +1,4 @@
-"""Why a case stopped before its end: what ran away, when, from what, and what is likely to help."""
+"""Why a case stopped before its end: what ran away, when, from what, and what helps, or is likely to."""
 
 import math
 from collections.abc import Sequence
@@ -29,6 +29,7 @@ def reason(
     now: NDArray[np.float64],
     before: NDArray[np.float64],
     of_fluid: Sequence[str] = (),
+    finer_helps: bool | None = None,
 ) -> str:
     """One sentence on a case that stopped.
 
@@ -36,6 +37,7 @@ def reason(
         of_fluid: what of the fluid model's own settings may help.
         step: the step at which it stopped.
         now, before: modal amplitudes at that step and at the one before, shape (modes,).
+        finer_helps: whether twice the steps get further, as a trial has shown; None if there was none.
     """
     when = f"at step {step} (t = {step * case.step:.4g} s, beat {int(step // case.steps_per_beat) + 1})"
     tip = section.shape([case.wing.chord])[:, 0]
@@ -44,7 +46,18 @@ def reason(
     else:
         what = f"the forces ceased to be finite {when}"
     size = f"; one step earlier the trailing edge stood {_chords(float(tip @ before), case)} from the chord"
-    return f"{what}{size if section.count else ''}. Likely to help: {'; '.join(_cures(case, section, of_fluid))}"
+    cures = _cures(case, section, of_fluid)
+    if finer_helps:
+        return f"{what}{size if section.count else ''}. Twice the steps get through: give {_finer(case)}"
+    tried = "" if finer_helps is None else ". Twice the steps do not get further"
+    helpful = f". Likely to help: {'; '.join(cures)}" if cures else ""
+    return f"{what}{size if section.count else ''}{tried}{helpful}"
+
+
+def _finer(case: Case) -> str:
+    if case.time.periods is None:
+        return f"time.step = {0.5 * case.step:.4g}"
+    return f"time.steps_per_period = {2.0 * case.steps_per_beat:g}"
 
 
 def _chords(deflection: float, case: Case) -> str:
@@ -65,10 +78,7 @@ def _cures(case: Case, section: Modes, of_fluid: Sequence[str]) -> list[str]:
     if section.count and mass_ratio > 1.0:
         heavier = "a smaller fluid.density or a larger wing.density"
         found.append(f"{heavier} (the fluid that moves with the wing weighs {mass_ratio:.3g} times the wing)")
-    found += of_fluid
-    if case.time.periods is None:
-        return [*found, f"a time.step smaller than {case.step:.3g} s"]
-    return [*found, f"more time.steps_per_period than {case.steps_per_beat:g}"]
+    return [*found, *of_fluid]
 
 
 def _mass_ratio(case: Case, section: Modes) -> float:

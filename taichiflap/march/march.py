@@ -12,7 +12,7 @@ one small linear solve, without iteration. The geometry is that of a second-orde
 Fluid models are those of `taichiflap.fluids.interface`; nothing here depends on which of them it is.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -295,14 +295,21 @@ class March:
         """The step at which each case diverged, or -1."""
         return view(self.body.failed).copy()
 
-    def reason(self, b: int) -> str:
-        """Why a case stopped before its end; nothing if it did not."""
+    def reason(self, b: int, finer_helps: Callable[[Case, int], bool | None] | None = None) -> str:
+        """Why a case stopped before its end; nothing if it did not.
+
+        Args:
+            finer_helps: what tells of a case and the step at which it stopped whether twice the steps get further.
+        """
         step, count = int(self.failures()[b]), self.sections[b].count
         if step < 0:
             return ""
         # The step that failed has moved its predecessor to the rows from BEFORE on.
         now, before = (view(self.body.q)[b, row, :count] for row in (AMPLITUDE, BEFORE))
-        return divergence.reason(self.cases[b], self.sections[b], step, now, before, self.fluid.cures(self.cases[b]))
+        now, before = now.copy(), before.copy()
+        case = self.cases[b]
+        helps = finer_helps(case, step) if finer_helps else None
+        return divergence.reason(case, self.sections[b], step, now, before, self.fluid.cures(case), helps)
 
     def _make_room(self, steps: int, frames: int) -> None:
         if steps <= self._room[0] and frames <= self._room[1]:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
-from .. import files
 from ..drawing import palette
 from ..maps.design import Axis
 from ..maps.file import Map, MapError
@@ -19,26 +19,34 @@ from ..maps.labels import factor_of, is_log, label, model, named
 from ..metrics.names import POWER, gains, shown
 from ..metrics.pareto import pareto_front
 from ..notation import short
-from .result import FORMATS, RESOLUTION, STYLE, WIDTH
+from ..run import limits
+from ..run.warnings import BENT, BROKEN
+from . import formats
+from .result import STYLE, WIDTH
 
 if TYPE_CHECKING:
     from ..studies.converge import Convergence
 
+GREY = palette.LIGHT.faint
+"""Of cases for which the model does not hold."""
 CONTOURS = 8
 LINES_AT_MOST = 7
 MARKS = ("o", "^", "s", "D", "v", "P")
 
 
-def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False) -> list[Path]:
+def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False, whole: bool = False) -> list[Path]:
     """Write the figures that suit a map, as PNG and SVG: `STEM-map` or `STEM-lines`, and `STEM-pareto`.
 
     Args:
-        stem: how the files' names begin, or a folder to put them in; the map's own name, here, if None.
+        stem: how the files' names begin, or a folder to put them in; the map's own name, here, if None. With the
+            extension pdf, eps, svg or png they are written as that alone.
+        whole: draw cases for which the model does not hold as all others, instead of in grey.
 
     Raises:
         MapError: when the map has no metric to draw.
         OutputError: when a file exists already or cannot be written.
     """
+    stem, kinds = formats.asked(stem)
     own = sheet.path.stem if sheet.path else "map"
     stem = Path(own) if stem is None else stem / own if stem.is_dir() else stem
     metrics = shown(sheet.metrics)
@@ -48,17 +56,20 @@ def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False) -> list[
     figures: dict[str, Figure] = {}
     with mpl.rc_context(STYLE):
         if sheet.design.grid and len(numeric) >= 2:
-            figures["map"] = heat_maps(sheet, metrics)
+            figures["map"] = heat_maps(sheet, metrics, whole)
         elif sheet.design.grid:
-            figures["lines"] = lines(sheet, metrics)
+            figures["lines"] = lines(sheet, metrics, whole)
         else:
-            figures["scatter"] = scatter(sheet, metrics)
+            figures["scatter"] = scatter(sheet, metrics, whole)
         if gains(sheet.metrics):
-            figures["pareto"] = pareto(sheet)
+            figures["pareto"] = pareto(sheet, whole)
         heading = ", ".join(filter(None, (sheet.title, model(sheet))))
-        for figure in figures.values():
+        for name, figure in figures.items():
             figure.suptitle(heading, fontsize=8, x=0.01, ha="left")
-    return _write(figures, stem, overwrite)
+            note = _note(sheet, whole, name)
+            if note:
+                figure.supxlabel(note, fontsize=7, x=0.01, ha="left")
+    return formats.write(figures, stem, kinds, STYLE, overwrite)
 
 
 def convergence(found: "Convergence", stem: Path) -> list[Path]:
@@ -86,10 +97,10 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
             ax.set_xlabel(key)
         axes[0].set_ylabel("Deviation from the finest (%)")
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(names) + 2)
-    return _write({"": figure}, stem, overwrite=True)
+    return formats.write({"": figure}, stem, formats.BOTH, STYLE, overwrite=True)
 
 
-def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
+def heat_maps(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
     """One column of heat maps with contours for each value of a third key, one row a metric.
 
     The first two numeric keys span the maps; what else varies is named over its column.
@@ -100,11 +111,11 @@ def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
     figure = Figure((WIDTH, 0.4 + 1.9 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(columns), sharex=True, sharey=True, squeeze=False)
     for row, name in zip(grid, metrics, strict=True):
-        factor = factor_of(sheet, name)
-        fields = [factor * _slice(sheet.values(name), place, down, across) for _, place in columns]
+        fields = [_slice(_holding(sheet, name, whole), place, down, across) for _, place in columns]
         finite = np.concatenate([field[np.isfinite(field)] for field in fields])
         low, high = (finite.min(), finite.max()) if finite.size else (0.0, 1.0)
-        for ax, field, (title, _) in zip(row, fields, columns, strict=True):
+        for ax, field, (title, place) in zip(row, fields, columns, strict=True):
+            _shade(ax, sheet, (x, y), place, (down, across), whole)
             mesh = ax.pcolormesh(*_edges(x, y, sheet), field, cmap="viridis", vmin=low, vmax=high, rasterized=True)
             if low < high and np.isfinite(field).any():
                 levels = MaxNLocator(CONTOURS).tick_values(low, high)
@@ -124,7 +135,7 @@ def heat_maps(sheet: Map, metrics: Sequence[str]) -> Figure:
     return figure
 
 
-def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
+def lines(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
     """Metrics over the one numeric key, a line for every combination of the others."""
     along = _varying(sheet)[0]
     axis = sheet.design.axes[along]
@@ -133,9 +144,11 @@ def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
     figure = Figure((WIDTH, 2.1 * rows), layout="constrained")
     grid = figure.subplots(rows, 2, sharex=True, squeeze=False).ravel()
     for ax, name in zip(grid, metrics, strict=False):
-        factor = factor_of(sheet, name)
+        held, doubtful = _holding(sheet, name, whole), _holding(sheet, name, whole, doubtful=True)
         for colour, mark, (title, place) in zip(_colours(len(columns)), MARKS * len(columns), columns, strict=False):
-            values = factor * sheet.values(name)[tuple(slice(None) if i == along else p for i, p in enumerate(place))]
+            index = tuple(slice(None) if i == along else p for i, p in enumerate(place))
+            values = held[index]
+            ax.plot(x, doubtful[index], mark, color=GREY, markersize=3, zorder=1)
             ax.plot(x, values, mark + "-", color=colour, markersize=3, linewidth=1, label=title or None)
         _scale_axes(ax, axis)
         ax.set_ylabel(named(name, sheet))
@@ -148,15 +161,16 @@ def lines(sheet: Map, metrics: Sequence[str]) -> Figure:
     return figure
 
 
-def scatter(sheet: Map, metrics: Sequence[str]) -> Figure:
+def scatter(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
     """Metrics of a sample over each numeric key."""
     keys = [sheet.design.axes[i] for i in _varying(sheet)[:4]]
     figure = Figure((WIDTH, 0.4 + 1.6 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(keys), sharex="col", sharey="row", squeeze=False)
     for row, name in zip(grid, metrics, strict=True):
-        factor = factor_of(sheet, name)
+        held, doubtful = _holding(sheet, name, whole), _holding(sheet, name, whole, doubtful=True)
         for ax, axis in zip(row, keys, strict=True):
-            ax.plot(_scaled(axis, sheet), factor * sheet.values(name), "o", color=palette.LINES[0], markersize=2)
+            ax.plot(_scaled(axis, sheet), doubtful, "o", color=GREY, markersize=2)
+            ax.plot(_scaled(axis, sheet), held, "o", color=palette.LINES[0], markersize=2)
             if ax in grid[-1]:
                 ax.set_xlabel(named(axis.key, sheet))
             _scale_axes(ax, axis)
@@ -164,19 +178,19 @@ def scatter(sheet: Map, metrics: Sequence[str]) -> Figure:
     return figure
 
 
-def pareto(sheet: Map) -> Figure:
+def pareto(sheet: Map, whole: bool = False) -> Figure:
     """Vertical force, or lift and thrust, against power, and the front: the cases that none beats in both."""
     forces = gains(sheet.metrics)
     figure = Figure((0.55 * WIDTH * len(forces), 3.0), layout="constrained")
     for ax, name in zip(figure.subplots(1, len(forces), squeeze=False)[0], forces, strict=True):
-        _draw_front(ax, sheet, name)
+        _draw_front(ax, sheet, name, whole)
     return figure
 
 
-def _draw_front(ax: Any, sheet: Map, name: str) -> None:
+def _draw_front(ax: Any, sheet: Map, name: str, whole: bool) -> None:
     text = [i for i, axis in enumerate(sheet.design.axes) if not axis.numeric]
     groups = _groups(sheet, text[0]) if text else {"": np.arange(sheet.design.size)}
-    force, power = (factor_of(sheet, one) * sheet.values(one).ravel() for one in (name, POWER))
+    force, power = (_holding(sheet, one, whole).ravel() for one in (name, POWER))
     for colour, mark, (title, numbers) in zip(_colours(len(groups)), MARKS * len(groups), groups.items(), strict=False):
         ax.plot(power[numbers], force[numbers], mark, color=colour, markersize=2, alpha=0.35, markeredgewidth=0)
         front = numbers[pareto_front(power[numbers], force[numbers])]
@@ -194,23 +208,43 @@ def _draw_front(ax: Any, sheet: Map, name: str) -> None:
     ax.legend()
 
 
+def _holding(sheet: Map, name: str, whole: bool, doubtful: bool = False) -> np.ndarray:
+    """A metric as it is drawn, of the cases for which the model holds (or of all); or of those for which not."""
+    broken = limits.broken(sheet).reshape(sheet.design.shape) & (not whole)
+    return np.where(broken == doubtful, factor_of(sheet, name) * sheet.values(name), np.nan)
+
+
+def _note(sheet: Map, whole: bool, figure: str) -> str:
+    """What is grey, hatched or left out in a figure."""
+    said = []
+    if not whole and limits.broken(sheet).any():
+        word = "left out" if figure == "pareto" else "grey"
+        said.append(f"{word}: the model does not hold (tip beyond {BROKEN:g} chord, or forces of no flow)")
+    if figure == "map" and limits.bent(sheet).any():
+        said.append(f"hatched: the tip bends by more than {BENT:g} chords")
+    return "; ".join(said)
+
+
+def _shade(
+    ax: Any, sheet: Map, sides: tuple[Axis, Axis], place: tuple[int, ...], spanned: tuple[int, int], whole: bool
+) -> None:
+    """Grey where the model does not hold, behind the colours; hatching where the beam is beyond its range."""
+    broken, bend = (_slice(one.reshape(sheet.design.shape), place, *spanned) for one in (
+        limits.broken(sheet), limits.bend(sheet)
+    ))  # fmt: skip
+    if broken.any() and not whole:
+        ax.pcolormesh(*_edges(*sides, sheet), np.where(broken, 1.0, np.nan), cmap=ListedColormap([GREY]), zorder=0)
+    most = np.nanmax(bend, initial=0.0)
+    if most > BENT:
+        with mpl.rc_context({"hatch.linewidth": 0.4}):
+            ax.contourf(
+                *_middles(*sides, sheet), bend, [BENT, most * (1.0 + 1e-9)], colors="none", hatches=["////"], zorder=2
+            )
+
+
 def _varying(sheet: Map) -> list[int]:
     """Places of the keys that are an axis of a chart: of numbers, and of more than one."""
     return [i for i, axis in enumerate(sheet.design.axes) if axis.numeric and len(set(axis.values)) > 1]
-
-
-def _write(figures: dict[str, Figure], stem: Path, overwrite: bool) -> list[Path]:
-    named = {
-        stem.with_name(f"{stem.name}{'-' if name else ''}{name}.{kind}"): (figure, kind)
-        for name, figure in figures.items()
-        for kind in FORMATS
-    }
-    for path in named:
-        files.check(path, overwrite)
-    for path, (figure, kind) in named.items():
-        with files.replacing(path) as file, mpl.rc_context(STYLE):
-            figure.savefig(file, format=kind, dpi=RESOLUTION, metadata={"Date": None} if kind == "svg" else None)
-    return list(named)
 
 
 def _columns(sheet: Map, spanned: set[int]) -> list[tuple[str, tuple[int, ...]]]:

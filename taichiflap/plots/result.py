@@ -19,16 +19,15 @@ from ..metrics.summary import in_stream, reversals, summarise
 from ..motion.sampling import PLUNGE_RATE, sample
 from ..notation import prefixed
 from ..results.reader import Result
+from . import formats
 
 WIDTH = 7.1
 """Width of a figure across two columns of a journal, inches."""
 POINTS = 72
 """Points in an inch."""
-RESOLUTION = 300
 INSTANTS = 8
 ARROWS = 9
 """Arrows of the load along a chord."""
-FORMATS = ("png", "svg")
 Panel = tuple[str, str, tuple[str, ...]]
 """A panel of the summary: what its axis bears, its unit, and its series."""
 DEFLECTION: Panel = ("Tip deflection", "m", ("tip_deflection",))
@@ -69,7 +68,8 @@ def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = 
     """Write `STEM-summary` of all results, and `STEM-wing`, `STEM-wing-2`, ... of each, as PNG and SVG.
 
     Args:
-        stem: how the files' names begin, or a folder to put them in; the first result's own name, here, if None.
+        stem: how the files' names begin, or a folder to put them in; the first result's own name, here, if None. With
+            the extension pdf, eps, svg or png they are written as that alone.
 
     Returns:
         The files written.
@@ -78,18 +78,14 @@ def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = 
         SceneError: when a result has no whole beat.
         OutputError: when a file exists already or cannot be written.
     """
+    stem, kinds = formats.asked(stem)
     stem = files.place(results[0], stem)
     names = ["summary", *("wing" if number == 1 else f"wing-{number}" for number in range(1, len(results) + 1))]
-    paths = [stem.with_name(f"{stem.name}-{name}.{kind}") for name in names for kind in FORMATS]
-    for path in paths:
-        files.check(path, overwrite)
-    for name, figure in zip(names, (summary(results), *map(wing, results)), strict=True):
-        for kind in FORMATS:
-            path = stem.with_name(f"{stem.name}-{name}.{kind}")
-            metadata = {"Date": None} if kind == "svg" else None
-            with files.replacing(path) as file, mpl.rc_context(STYLE):
-                figure.savefig(file, format=kind, dpi=RESOLUTION, metadata=metadata)
-    return paths
+    for name in names:
+        for kind in kinds:
+            files.check(stem.with_name(f"{stem.name}-{name}.{kind}"), overwrite)
+    figures = dict(zip(names, (summary(results), *map(wing, results)), strict=True))
+    return formats.write(figures, stem, kinds, STYLE, overwrite)
 
 
 def summary(results: Sequence[Result]) -> Figure:
@@ -175,7 +171,7 @@ def wing(result: Result) -> Figure:
             )
             bar.set_label("Circulation of wake vortices, Γ (m² s⁻¹)\npositive counter-clockwise")
             bar.outline.set_linewidth(0.4)
-        title = f"{scene.label(result)}{f': beat {beat + 1}' if result.case.periodic else ''}"
+        title = f"{scene.label(result)}, {result.case.model}{f': beat {beat + 1}' if result.case.periodic else ''}"
         figure.text(0.01, head, title, va="center", fontsize=8.5)
         axes[0, 0].quiverkey(
             arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}

@@ -1,5 +1,6 @@
 """Run cases: march them in blocks, derive what users ask for, write it, report progress."""
 
+import functools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -22,6 +23,7 @@ from ..results.reader import Result, ResultError
 from ..results.variables import Variable
 from ..results.writer import Writer
 from . import warnings
+from .retry import finer_helps
 
 Progress = Callable[[int, int], None]
 """Called with the steps done and all steps, after every block."""
@@ -167,7 +169,7 @@ def _run(
                 progress(min(march.next_step, march.steps), march.steps)
         results = []
         for b, writer in enumerate(writers):
-            reason = march.reason(b)
+            reason = march.reason(b, functools.partial(finer_helps, threads=threads))
             more = [] if reason else warnings.outcome(writer.case, writer.written("tip_deflection"), _summary(writer))
             results.append(writer.finish("failed" if reason else "complete", solve_time, reason, more))
         return results
