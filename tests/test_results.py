@@ -73,7 +73,7 @@ def test_rigid_wings_and_blade_elements_open_too(tmp_path, settings):
 def test_every_variable_has_its_frames_and_its_meaning(uvlm_file):
     with taichiflap.open_result(uvlm_file) as result:
         assert len(result.file["wake/y"]) == result.file["wake/count"][...].sum()
-        edge = {name for name in VARIABLES if "edge" in name} | {"suction_velocity"}
+        edge = {name for name in VARIABLES if "edge" in name} | {"suction_velocity", "lift", "thrust"}
         assert set(result.variables) == {"time", *VARIABLES} - {"shear", "wake_far_error", *edge}
         for name in result.variables:
             assert len(getattr(result, name)) == result.frames == 401

@@ -73,7 +73,7 @@ class Run:
         self.steps = self.result.steps
         self.status = self.result.status
         # What went wrong; where exactly, and what is likely to help, `info` tells.
-        self.reason = str(self.result.attributes.get("reason", "")).partition(". Likely")[0].partition(";")[0]
+        self.reason = str(self.result.attributes.get("reason", "")).partition(";")[0].partition(". ")[0]
         self.has_wake = self.result.has_wake
         self.variables = self.result.variables
         self.station = self.result.stations

@@ -132,7 +132,8 @@ def _of_stream(case: Case) -> Iterator[str]:
     if speed and np.mean(along) < BACKWARDS * speed:
         yield (
             f"the stream, fluid.velocity = [{case.fluid.velocity[0]:g}, {case.fluid.velocity[1]:g}] m/s, meets the "
-            f"trailing edge first, but {model.name} sheds the wake there: turn the stream, or the wing by motion.pitch.mean_deg"
+            f"trailing edge first, but {model.name} sheds the wake there: turn the stream, or the wing by "
+            "motion.pitch.mean_deg"
         )
 
 
