@@ -94,6 +94,8 @@ def summary(results: Sequence[Result]) -> Figure:
     Raises:
         SceneError: when a result has no whole beat.
     """
+    for result in results:
+        scene.last_steps(result)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 4.9), layout="constrained")
         axes = list(figure.subplots(2, 2, sharex=True).flat)
