@@ -212,5 +212,5 @@ def test_what_came_of_a_case_is_looked_at_too(tmp_path, monkeypatch):
 def test_a_file_as_large_as_a_disk_is_warned_of():
     long = hawkmoth("uvlm.wake=all", "time.periods=1000")
     (said,) = warnings.warnings(long)
-    assert "the result file will take 320 GB; a larger output.every" in said
+    assert "the result file will take 400 GB; a larger output.every" in said
     assert not warnings.warnings(long.override("output.every=100"))
