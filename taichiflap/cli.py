@@ -305,6 +305,7 @@ def reproduce(
 app.command()(studies.sweep)
 app.command(short_help="Find how fine is fine enough.")(studies.converge)
 app.command(short_help="Search ranges of keys for the best case.")(studies.optimise)
+app.command(short_help="Sum sections at several radii of a wing.")(studies.strips)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""Commands that run many cases: sweep, converge, optimise."""
+"""Commands that run many cases: sweep, converge, optimise, strips."""
 
 import sys
 from collections.abc import Iterator
@@ -125,6 +125,39 @@ def optimise(
     print("\n".join(study.verdict(best, path)))
     if best is None or not best.holds:
         raise typer.Exit(1)
+
+
+def strips(
+    case_file: CaseFile,
+    radii: Annotated[int, typer.Option(min=1, metavar="N", help="strips of equal width")] = 5,
+    at: Annotated[
+        float | None,
+        typer.Option(metavar="SHARE", help="share of the span that moves as the case says; not with measured angles"),
+    ] = None,
+    root: Annotated[float, typer.Option(metavar="SHARE", help="share of the span at which the wing begins")] = 0.0,
+    planform: Annotated[
+        str, typer.Option(metavar="SHARE:CHORD,...", help="chords over the case's, e.g. 0:0.6,0.5:1,1:0.3")
+    ] = "",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="CSV file of the sums over time", show_default=False)
+    ] = None,
+    settings: Settings = None,
+    threads: Threads = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
+) -> None:
+    """March sections at several radii side by side, from hinge (root) to tip (wing.span), and sum their forces."""
+    from .. import files
+    from ..case.case import load_case
+    from ..studies import strips as study
+
+    case = load_case(case_file, settings or ())
+    if output:
+        files.check(output, overwrite)
+    found = study.strips(case, radii, at=at, root=root, planform=study.read_planform(planform), threads=threads)
+    print("\n".join(study.lines(found)))
+    if output:
+        found.write(output, overwrite)
+        print(f"{output} written")
 
 
 @contextmanager
