@@ -26,7 +26,7 @@ NUMBERS = {
     "pitch_ramp": ("force_normal_peak", 0.851, 0.01),
     "plunging_foil": ("force_normal_peak", 1.609, 0.01),
     "tabulated_stroke": ("tip_peak", 10.40e-3, 0.02),
-    "measured_moth": ("force_vertical", 12.72e-3, 0.001),
+    "measured_moth": ("force_vertical", 13.58e-3, 0.001),
 }
 
 
