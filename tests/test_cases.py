@@ -76,10 +76,10 @@ def test_a_table_of_a_stroke_is_as_good_as_its_formula():
 @pytest.mark.parametrize(
     ("settings", "quantity", "expected", "tolerance"),
     [
-        (("solver=dbet", "wing.modes=0"), "force_vertical_normal", 2.78e-3, 0.02),
-        (("solver=dbet", "wing.modes=0"), "force_vertical", 2.52e-3, 0.02),
-        (("solver=dbet",), "force_vertical", 3.08e-3, 0.03),
-        (("solver=dbet",), "tip_peak", 7.6e-3, 0.03),
+        (("solver=dbet", "dbet.added_mass=true", "wing.modes=0"), "force_vertical_normal", 2.78e-3, 0.02),
+        (("solver=dbet", "dbet.added_mass=true", "wing.modes=0"), "force_vertical", 2.52e-3, 0.02),
+        (("solver=dbet", "dbet.added_mass=true"), "force_vertical", 3.08e-3, 0.03),
+        (("solver=dbet", "dbet.added_mass=true"), "tip_peak", 7.6e-3, 0.03),
         (("wing.modes=0",), "force_vertical", 3.12e-3, 0.03),
         ((), "force_vertical", 7.2e-3, 0.05),
         ((), "force_vertical_normal", 3.7e-3, 0.05),
