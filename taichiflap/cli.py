@@ -246,6 +246,7 @@ def init(
     from .case import shipped
     from .case.case import CaseError
     from .case.template import commented_case
+    from .files import replacing
 
     texts = {file: shipped.text(source) if source else commented_case()}
     for table in shipped.tables(source) if source else ():
@@ -253,10 +254,8 @@ def init(
     for path, text in texts.items():
         if path.exists() and not overwrite:
             raise CaseError(str(path), ["exists already; --overwrite replaces it, or name another file"])
-        try:
-            path.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise CaseError(str(path), [f"cannot be written: {error.strerror}"]) from None
+        with replacing(path) as written:
+            written.write(text.encode())
     print(f"{file} written; edit it, then run: taichiflap simulate {file}")
 
 

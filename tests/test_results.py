@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import shutil
 import subprocess
 import sys
 
@@ -342,16 +343,65 @@ def test_a_lost_or_damaged_checkpoint_costs_time_alone(tmp_path, monkeypatch):
     taichiflap.simulate(case, tmp_path / "whole.h5").close()
     monkeypatch.setattr(blocks, "BLOCK_STEPS", 100)
     monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
-    for i, spoil in enumerate((lambda data: None, lambda data: data[:999], lambda data: b"not a zip")):
+    spoilt = (None, b"", lambda data: data[:999], lambda data: b"not a zip", lambda data: data[:-5])
+    for i, spoil in enumerate(spoilt):
         path = tmp_path / f"run{i}.h5"
         interrupted(case, path)
         state = checkpoint.beside(path)
-        spoiled = spoil(state.read_bytes())
+        spoiled = spoil(state.read_bytes()) if callable(spoil) else spoil
         state.unlink()
-        if spoiled:
+        if spoiled is not None:
             state.write_bytes(spoiled)
         taichiflap.simulate(case, path, resume=True).close()
         assert_same(tmp_path / "whole.h5", path)
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """Runs of both models that were interrupted, and how they end."""
+    folder = tmp_path_factory.mktemp("stopped")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(blocks, "BLOCK_STEPS", 100)
+        patch.setattr(checkpoint, "SECONDS", 0.0)
+        for solver in ("uvlm", "dbet"):
+            case = hawkmoth(*SHORT, f"solver={solver}")
+            interrupted(case, folder / f"{solver}.h5")
+            taichiflap.simulate(case, folder / f"{solver}-whole.h5").close()
+    return folder
+
+
+DOCTORED = [
+    ("uvlm", "next_step", -5), ("uvlm", "next_step", 0), ("uvlm", "next_step", 2**40), ("uvlm", "next_step", 402),
+    ("uvlm", "solve_time", np.nan), ("uvlm", "solve_time", np.ones(3)), ("uvlm", "state.body.failed", 300),
+    ("uvlm", "state.body.modes", 99), ("uvlm", "state.body.steps", 10**9), ("uvlm", "state.body.every", 0),
+    ("uvlm", "state.flow.size", 10**6), ("uvlm", "state.body.q", np.nan), ("uvlm", "state.body.q", np.zeros(3)),
+    ("uvlm", "state.body.q", np.array(["text"])), ("uvlm", "state.wake.vortex", np.inf),
+    *(("uvlm", f"state.wake.ring:{column}", value) for column in range(4) for value in (-1, 2**31 - 1)),
+    ("uvlm", "state.wake.ring:4", -7), ("uvlm", "state.wake.ring:5", -1), ("uvlm", "state.wake.birth", 10**6),
+    ("dbet", "state.flow.elements", 10**9), ("dbet", "state.flow.truncated", 7), ("dbet", "state.extra", 1.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("solver", "name", "value"), DOCTORED)
+def test_a_doctored_checkpoint_is_not_gone_on_from(tmp_path, stopped, caplog, solver, name, value):
+    """In the same process: a segmentation fault would end the tests."""
+    path = tmp_path / "run.h5"
+    for suffix in (".part", ".state"):
+        shutil.copy(stopped / f"{solver}.h5{suffix}", tmp_path / f"run.h5{suffix}")
+    with np.load(checkpoint.beside(path)) as stored:
+        arrays = dict(stored)
+    name, _, column = name.partition(":")
+    if isinstance(value, np.ndarray) or name not in arrays:
+        arrays[name] = np.asarray(value)
+    else:
+        arrays[name] = arrays[name].copy()
+        arrays[name][(..., int(column)) if column else ...] = value
+    with open(checkpoint.beside(path), "wb") as file:
+        np.savez(file, **arrays)
+    taichiflap.simulate(hawkmoth(*SHORT, f"solver={solver}"), path, resume=True).close()
+    assert_same(stopped / f"{solver}-whole.h5", path)
+    (said,) = caplog.messages
+    assert said.startswith(f"{path}.state cannot be used, so the run begins at its start: ")
 
 
 def test_only_the_same_case_is_resumed(tmp_path):

@@ -267,6 +267,13 @@ class Model:
         """How many entries a ragged output has at a step at most, or at each of an array of steps."""
         return 0
 
+    def counters(self, case: Case, step: int) -> Mapping[str, tuple[ArrayLike, ArrayLike]]:
+        """Least and greatest of those integers of its state that change, by `GROUP.NAME`, before a step.
+
+        All others are what the case makes them. The state in a file is held to that before a march goes on from it.
+        """
+        return {}
+
     def sizes(self, case: Case) -> dict[str, int]:
         """Length of every axis of its outputs; of a ragged one the most that a frame can have."""
         nodes = len(self.nodes(case))

@@ -8,6 +8,7 @@ import contextlib
 import functools
 import io
 import os
+import tempfile
 import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
@@ -130,7 +131,7 @@ def start() -> Any:
                     default_fp=ti.f64,
                     fast_math=False,
                     real_matrix_scalarize=False,
-                    offline_cache=True,
+                    **_cache(),
                     cpu_max_num_threads=available_threads(),
                     log_level=ti.ERROR,
                 )
@@ -180,6 +181,25 @@ def _after_fork() -> None:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_after_fork)
+
+
+def _cache() -> dict[str, Any]:
+    """Where Taichi keeps machine code: in the user's own place, else in a temporary one; nowhere if both refuse.
+
+    Where it cannot write, Taichi 1.7 ends with a segmentation fault.
+    """
+    own = os.environ.get("TI_OFFLINE_CACHE_FILE_PATH") or ti.lang.impl.default_cfg().offline_cache_file_path
+    temporary = os.path.join(tempfile.gettempdir(), f"taichi-{getattr(os, 'getuid', int)()}")
+    for place in (own, temporary):
+        try:
+            os.makedirs(place, mode=0o700, exist_ok=True)
+            # What another user has put there would run as ours.
+            if place == own or (os.stat(place).st_mode & 0o022 == 0 and os.lstat(place).st_uid == os.getuid()):
+                tempfile.TemporaryFile(dir=place).close()
+                return {"offline_cache": True, "offline_cache_file_path": place}
+        except (OSError, ValueError):
+            continue
+    return {"offline_cache": False}
 
 
 def tasks(cases: int, threads: int | None = None) -> int:

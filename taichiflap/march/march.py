@@ -269,14 +269,33 @@ class March:
             ValueError: when a state is not one of such a case.
         """
         for b, state in enumerate(states):
-            ours = self.state(b)
-            if ours.keys() != state.keys() or any(ours[name].ndim != state[name].ndim for name in ours):
-                raise ValueError("not a state of this model")
-            for name, values in ours.items():
+            self._check(b, state, next_step)
+        for b, state in enumerate(states):
+            for name, values in self.state(b).items():
                 # Batches differ in how much they pad.
                 shared = tuple(map(slice, np.minimum(values.shape, state[name].shape)))
                 values[shared] = state[name][shared]
         self.next_step = next_step
+
+    def _check(self, b: int, state: Mapping[str, np.ndarray], next_step: int) -> None:
+        """Refuse a state that no march of the case can have had: kernels would follow its integers anywhere."""
+        ours = self.state(b)
+        if ours.keys() != state.keys():
+            raise ValueError("not a state of this model")
+        if not 0 < next_step <= self.steps + 1:
+            raise ValueError(f"its next step is {next_step}")
+        counters = {"body.failed": (-1, next_step - 1), **self.fluid.counters(self.cases[b], next_step)}
+        for name, values in ours.items():
+            theirs = state[name]
+            if theirs.ndim != values.ndim or theirs.dtype != values.dtype or theirs.shape[0] != 1:
+                raise ValueError(f"its {name} has another shape")
+            shared = tuple(map(slice, np.minimum(values.shape, theirs.shape)))
+            if values.dtype.kind == "i":
+                low, high = counters.get(name, (values[shared], values[shared]))
+                if not np.all((theirs[shared] >= low) & (theirs[shared] <= high)):
+                    raise ValueError(f"its {name} is out of range")
+            elif not np.isfinite(theirs).all() and state["body.failed"][0] < 0:
+                raise ValueError(f"its {name} is not finite")
 
     def _march(self, first: int, last: int) -> None:
         """Many steps in one launch, but for those before which a fluid model puts all threads to one case."""

@@ -1,6 +1,7 @@
 """The state of a run beside its unfinished file, to go on from after a crash: `NAME.state`."""
 
 import contextlib
+import logging
 import os
 import zipfile
 from collections.abc import Mapping
@@ -11,7 +12,8 @@ import numpy as np
 
 from .. import disk
 from .._version import __version__
-from ..case.case import Case
+from ..case.case import MAX_STEPS, Case
+from ..notation import printable
 
 SUFFIX = ".state"
 SECONDS = 1.0
@@ -52,15 +54,36 @@ def save(path: Path, case: Case, checkpoint: Checkpoint) -> None:
 
 
 def load(path: Path, case: Case) -> Checkpoint | None:
-    """The checkpoint of a case, or None: without one, a run goes on from its beginning, with the same numbers."""
+    """The checkpoint of a case, or None: without one, a run goes on from its beginning, with the same numbers.
+
+    Whether its state is one of the case is for the march to tell.
+    """
     try:
-        with open(beside(path), "rb") as file, np.load(file, allow_pickle=False) as stored:
-            if str(stored["of"]) != _origin(case):
-                return None
-            state = {name.removeprefix("state."): stored[name] for name in stored if name.startswith("state.")}
-            return Checkpoint(int(stored["next_step"]), float(stored["solve_time"]), state)
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        with open(beside(path), "rb") as file:
+            if not zipfile.is_zipfile(file) or any(one.compress_type for one in zipfile.ZipFile(file).infolist()):
+                raise ValueError("not as it was written")
+            file.seek(0)
+            with np.load(file, allow_pickle=False) as stored:
+                if str(stored["of"]) != _origin(case):
+                    raise ValueError("of another case")
+                state = {name.removeprefix("state."): stored[name] for name in stored if name.startswith("state.")}
+                next_step, solve_time = int(stored["next_step"]), float(stored["solve_time"])
+        if not 0.0 <= solve_time < np.inf or not 0 < next_step <= MAX_STEPS + 1:
+            raise ValueError("its next step or its time is out of range")
+        return Checkpoint(next_step, solve_time, state)
+    except FileNotFoundError:
         return None
+    except Exception as error:  # whatever NumPy and zipfile make of damage
+        tell(path, str(error).partition("\n")[0])
+        return None
+
+
+def tell(path: Path | None, why: str) -> None:
+    """Say that a checkpoint cannot be used."""
+    if path is not None:
+        logging.getLogger("taichiflap").warning(
+            "%s cannot be used, so the run begins at its start: %s", printable(str(beside(path))), printable(why)
+        )
 
 
 def discard(path: Path) -> None:

@@ -202,7 +202,12 @@ def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint |
     # What a checkpoint counts on must be there: the file may have been moved away, or begun anew.
     if len(kept) < len(writers) or any(writer.stored < _reached(writer, kept[0]) for writer in writers):
         return 0.0
-    march.restore([one.state for one in kept], kept[0].next_step)
+    try:
+        march.restore([one.state for one in kept], kept[0].next_step)
+    except ValueError as error:
+        for writer in writers:
+            checkpoint.tell(writer.path, str(error))
+        return 0.0
     for writer in writers:
         writer.rewind(_reached(writer, kept[0]))
     return kept[0].solve_time

@@ -1,6 +1,6 @@
 """The unsteady vortex lattice: a lumped-vortex lattice on the deformed camber line, with a free wake."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -50,6 +50,13 @@ class Uvlm(Model):
 
     def entries(self, case: Case, step: Any) -> Any:
         return np.minimum(stations.shed_a_step(case) * (np.asarray(step) + 1), stations.ring_size(case))
+
+    def counters(self, case: Case, step: int) -> Mapping[str, tuple[Any, Any]]:
+        size, last = stations.ring_size(case), min(step, case.steps + 1) - 1
+        count = min(last + 1, size)
+        # As `wake.ring` has its columns: size, count, oldest, youngest, step of the velocities, crossings.
+        ring = (size, count, 0, 0, 0, 0), (size, count, size - 1, count - 1, last + 1, np.iinfo("i4").max)
+        return {"wake.ring": ring, "wake.birth": (0, last)}
 
     def work(self, case: Case, step: int) -> float:
         panels, vortices = case.uvlm.panels, float(self.entries(case, step))
