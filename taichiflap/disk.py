@@ -10,10 +10,25 @@ import socket
 from pathlib import Path
 
 SUFFIX = ".lock"
+LONGEST_NAME = 224
+"""Bytes of a file's name: drafts and locks beside it have longer ones, and 255 is the most that systems take."""
 
 
 class Busy(Exception):
     """Another process writes the file: who, and what to do if it does not."""
+
+
+def trouble(path: Path) -> str:
+    """Why nothing can be written under a name, before anything is computed for it; nothing if all is well."""
+    if len(os.fsencode(path.name)) > LONGEST_NAME:
+        return f"a name of {len(os.fsencode(path.name))} bytes; give one of at most {LONGEST_NAME}"
+    try:
+        path.stat()
+    except FileNotFoundError:
+        return "is a link to nothing; remove it, or name another file" if path.is_symlink() else ""
+    except OSError as error:
+        return f"cannot be written: {error.strerror}"
+    return ""
 
 
 def sync(path: Path) -> None:

@@ -8,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -77,8 +78,8 @@ def test_a_cluster_gives_the_bits_of_this_process_and_outlives_a_worker(cluster,
 @pytest.mark.parametrize(
     ("address", "sentence"),
     [
-        ("tcp://127.0.0.1:9", "nobody answers there"),
-        ("carrier-pigeon://coop", "nobody answers there"),
+        ("tcp://127.0.0.1:9", "no Dask scheduler answers there, after "),
+        ("carrier-pigeon://coop", "no Dask scheduler answers there, after "),
         ("local:none", "write local:N"),
         ("local:0", "write local:N"),
     ],
@@ -90,6 +91,41 @@ def test_an_address_that_nobody_answers_is_a_sentence_and_harms_nothing(address,
     assert sentence in str(refused.value)
     assert "\n" not in str(refused.value)
     assert done(tmp_path / "map.h5") == 0
+
+
+def speak(listening, words):
+    """Answer everybody who connects with some words."""
+    with contextlib.suppress(OSError):
+        while True:
+            caller, _ = listening.accept()
+            caller.sendall(words)
+            if words:
+                caller.close()
+
+
+@pytest.mark.parametrize("words", [b"", b"HTTP/1.0 400 Bad Request\r\n\r\n", b"\xff" * 64, bytes(64)])
+def test_another_server_at_the_address_is_a_sentence(words, tmp_path, monkeypatch):
+    monkeypatch.setattr("taichiflap.studies.cluster.PATIENCE", 1)
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        threading.Thread(target=speak, args=(listening, words), daemon=True).start()
+        address = f"tcp://127.0.0.1:{listening.getsockname()[1]}"
+        with pytest.raises(UserError, match=r"no Dask scheduler answers there, after \d+ s") as refused:
+            taichiflap.sweep(hawkmoth("solver=dbet"), {"wing.modes": "0,1"}, tmp_path / "map.h5", cluster=address)
+        listening.shutdown(socket.SHUT_RDWR)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_scheduler_without_workers_is_a_sentence(cluster, tmp_path, monkeypatch, capsys):
+    address, workers = cluster
+    for worker in workers:
+        worker.kill()
+        worker.wait()
+    time.sleep(1.0)  # until the scheduler has noticed
+    monkeypatch.setattr("taichiflap.studies.cluster.PATIENCE", 3)
+    monkeypatch.setattr("taichiflap.studies.cluster.WORKERS_PATIENCE", 1)
+    with pytest.raises(UserError, match=r"the scheduler has no workers, after 4 s; start one with: dask worker tcp:"):
+        taichiflap.sweep(hawkmoth("solver=dbet"), {"wing.modes": "0,1"}, tmp_path / "map.h5", cluster=address)
+    assert "no workers yet; waiting for 1 s more" in capsys.readouterr().err
 
 
 @pytest.fixture

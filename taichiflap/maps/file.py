@@ -352,6 +352,8 @@ def _check_place(path: Path) -> None:
         raise MapError(f"{path}: is a directory; name a file, for example {path / 'map.h5'}")
     if not path.parent.is_dir():
         raise MapError(f"{path}: cannot be created: {path.parent} is not a folder")
+    if why := disk.trouble(path):
+        raise MapError(f"{path}: {why}")
 
 
 def _lock(path: Path) -> Lock:

@@ -37,6 +37,8 @@ def check(path: Path, overwrite: bool) -> None:
         raise ResultError(f"{path}: is a directory; name a file, for example {path / 'result.h5'}")
     if path.exists() and not overwrite:
         raise ResultError(f"{path}: exists already; --overwrite replaces it, -o writes elsewhere")
+    if why := disk.trouble(path):
+        raise ResultError(f"{path}: {why}")
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass

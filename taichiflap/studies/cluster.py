@@ -1,7 +1,10 @@
 """Batches on a Dask cluster: handed to its workers, taken back as they come. The only module that knows Dask."""
 
 import logging
-from collections.abc import Iterable, Iterator, Sequence
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from typing import Any
@@ -14,6 +17,8 @@ from .batch import Batch, compute
 
 PATIENCE = 15
 """Seconds to wait for a scheduler's answer."""
+WORKERS_PATIENCE = 600
+"""Seconds to wait for the first worker: those of a batch system come when the queue lets them."""
 AHEAD = 2
 """Batches that wait or run for each thread of the workers, so that none idles while results travel."""
 RETRIES = 3
@@ -40,6 +45,7 @@ def there(
     waiting = iter(found)
     with ExitStack() as stack:
         client = _connect(distributed, address, stack)
+        _await_workers(distributed, client, address)
         coming = distributed.as_completed()
         running: dict[Any, Batch] = {}
 
@@ -84,10 +90,59 @@ def _connect(distributed: Any, address: str, stack: ExitStack) -> Any:
         options = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
         local = distributed.LocalCluster(**processes, **options)
         return stack.enter_context(distributed.Client(stack.enter_context(local)))
+    began = time.monotonic()
+    # What goes wrong is said here, in one sentence.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
-        return stack.enter_context(distributed.Client(address, timeout=PATIENCE))
-    except (OSError, ValueError) as error:
-        reason = str(error).splitlines()[0] if str(error) else "no answer"
+        return stack.enter_context(_within(PATIENCE + 1, lambda: distributed.Client(address, timeout=PATIENCE)))
+    except Exception as error:  # whatever Dask makes of what another server says
+        lines = str(error).splitlines() or ["no answer"]
         raise ClusterError(
-            f"--cluster {address}: nobody answers there ({reason}); start one with: dask scheduler"
+            f"--cluster {address}: no Dask scheduler answers there, after {time.monotonic() - began:.0f} s "
+            f"({lines[0]}); start one with: dask scheduler"
         ) from None
+
+
+def _within(seconds: float, work: Callable[[], Any]) -> Any:
+    """What some work gives, or what it raises: Dask waits for ever for a server that takes a connection in silence.
+
+    Raises:
+        TimeoutError: when it takes longer.
+    """
+    found: list[Any] = []
+    failed: list[Exception] = []
+
+    def try_it() -> None:
+        try:
+            found.append(work())
+        except Exception as error:  # raised again where it is awaited
+            failed.append(error)
+
+    thread = threading.Thread(target=try_it, daemon=True)
+    thread.start()
+    thread.join(seconds)
+    if failed:
+        raise failed[0]
+    if not found:
+        raise TimeoutError("no answer")
+    return found[0]
+
+
+def _await_workers(distributed: Any, client: Any, address: str) -> None:
+    """Wait until there is a worker.
+
+    Raises:
+        ClusterError: when none has come after `WORKERS_PATIENCE`.
+    """
+    for patience in (PATIENCE, WORKERS_PATIENCE):
+        try:
+            client.wait_for_workers(1, timeout=patience)
+        except (TimeoutError, distributed.TimeoutError):
+            if patience == PATIENCE:
+                print(f"--cluster {address}: no workers yet; waiting for {WORKERS_PATIENCE} s more", file=sys.stderr)
+        else:
+            return
+    raise ClusterError(
+        f"--cluster {address}: the scheduler has no workers, after {PATIENCE + WORKERS_PATIENCE} s; "
+        f"start one with: dask worker {address}"
+    )
