@@ -45,8 +45,9 @@ bench: .venv/.bench  ## speed, as ratios within one run to the hardware's limit 
 bench-view: .venv/.dev  ## the viewer: first picture, time a frame, ten browsers, a large file
 	$(BIN)/python -m benchmarks.view
 
-crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, and look at what they leave
+crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, refuse every write in turn, and look at what is left
 	$(BIN)/python tests/crash.py 100
+	$(BIN)/python tests/full_disk.py
 
 fuzz: .venv/.dev  ## 20,000 wrong inputs and 2,000 damaged files: what becomes of them
 	$(BIN)/python tests/fuzz.py 20000

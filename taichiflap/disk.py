@@ -26,6 +26,8 @@ def trouble(path: Path) -> str:
         path.stat()
     except FileNotFoundError:
         return "is a link to nothing; remove it, or name another file" if path.is_symlink() else ""
+    except NotADirectoryError:
+        return ""  # told of its folder
     except OSError as error:
         return f"cannot be written: {error.strerror}"
     return ""

@@ -34,12 +34,12 @@ def check(path: Path, overwrite: bool) -> None:
     Raises:
         OutputError: when it is to be refused.
     """
+    if why := disk.trouble(path):
+        raise OutputError(f"{path}: {why}")
     if path.is_dir():
         raise OutputError(f"{path}: is a directory; name a file")
     if not path.parent.is_dir():
         raise OutputError(f"{path}: cannot be written: {path.parent} is not a folder")
-    if why := disk.trouble(path):
-        raise OutputError(f"{path}: {why}")
     if path.exists() and not overwrite:
         raise OutputError(f"{path}: exists already; --overwrite replaces it, or name another file")
 

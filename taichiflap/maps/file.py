@@ -348,12 +348,12 @@ def is_map(path: Path) -> bool:
 
 def _check_place(path: Path) -> None:
     """Refuse what cannot be a file; what is to be replaced need not be a map."""
+    if why := disk.trouble(path):
+        raise MapError(f"{path}: {why}")
     if path.is_dir():
         raise MapError(f"{path}: is a directory; name a file, for example {path / 'map.h5'}")
     if not path.parent.is_dir():
         raise MapError(f"{path}: cannot be created: {path.parent} is not a folder")
-    if why := disk.trouble(path):
-        raise MapError(f"{path}: {why}")
 
 
 def _lock(path: Path) -> Lock:

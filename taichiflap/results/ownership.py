@@ -21,7 +21,7 @@ def finished(path: Path, case: Case) -> Result | None:
     Raises:
         ResultError: when the file is of another case, or no result.
     """
-    if not path.is_file():
+    if disk.trouble(path) or not path.is_file():
         return None
     result = open_result(path)
     try:
@@ -33,12 +33,12 @@ def finished(path: Path, case: Case) -> Result | None:
 
 
 def check(path: Path, overwrite: bool) -> None:
+    if why := disk.trouble(path):
+        raise ResultError(f"{path}: {why}")
     if path.is_dir():
         raise ResultError(f"{path}: is a directory; name a file, for example {path / 'result.h5'}")
     if path.exists() and not overwrite:
         raise ResultError(f"{path}: exists already; --overwrite replaces it, -o writes elsewhere")
-    if why := disk.trouble(path):
-        raise ResultError(f"{path}: {why}")
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from .. import disk
 from .._version import __version__
 from ..case.case import Case
 from ..kernels.runtime import check_threads
@@ -45,7 +46,7 @@ class Ledger:
         check_threads(threads)
         self.keys = tuple(first)
         self.cluster, self.threads = cluster, threads
-        if path is not None and path.exists() and not path.is_dir() and not overwrite:
+        if path is not None and not disk.trouble(path) and path.exists() and not path.is_dir() and not overwrite:
             self.sheet = maps.open_map(path, write=True)
             self._check(case, metrics)
         else:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .. import disk
 from .._version import __version__
 from ..case.case import Case, CaseError
 from ..errors import extra
@@ -112,7 +113,7 @@ def prepare(
     if keep not in (None, "series"):
         raise MapError(f"--keep {keep}: only series can be kept beside the metrics")
     path = None if output is None else Path(output)
-    if path is not None and path.exists() and not path.is_dir() and not overwrite:
+    if path is not None and not disk.trouble(path) and path.exists() and not path.is_dir() and not overwrite:
         sheet = maps.open_map(path, write=True)
         try:
             _check_same(sheet, case, planned, chosen, keep is not None)
