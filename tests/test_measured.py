@@ -81,6 +81,18 @@ def test_another_stroke_plane_turns_the_forces(solver, plane):
         np.testing.assert_allclose(other.power, one.power, atol=1e-9 * np.abs(one.power).max())
 
 
+def test_the_stroke_reverses_when_it_does_in_any_plane():
+    flat = case_of(rows_of(deviation=0.5))
+    found = sampling.reversals(flat.motion.model_copy(), 0.0, 0.2, 1e-4)
+    assert len(found) == 10
+    for plane in (30.0, 90.0, -120.0):
+        steep = flat.override(f"motion.measured.stroke_plane_deg={plane}")
+        np.testing.assert_allclose(sampling.reversals(steep.motion, 0.0, 0.2, 1e-4), found, rtol=1e-9)
+    surging = hawkmoth("motion.plunge.amplitude=0.0", "motion.surge={amplitude=0.02, phase_deg=90.0}")
+    there = sampling.reversals(surging.motion, 0.0, 0.2, 1e-4)
+    np.testing.assert_allclose(there, sampling.reversals(hawkmoth().motion, 0.0, 0.2, 1e-4), atol=1e-12)
+
+
 def test_the_path_is_that_of_the_vectors():
     """An independent sum of vectors in (forward, up), for a left wing too."""
     stroke, deviation, lean = (np.radians(angle) for angle in beat(TURNS))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -152,6 +153,10 @@ Pitch = Annotated[
 ]
 
 
+def _rests(travel: Travel) -> bool:
+    return isinstance(travel, HarmonicPlunge) and not travel.repeats
+
+
 class Motion(Section):
     """Prescribed motion of the pivot."""
 
@@ -191,6 +196,11 @@ class Motion(Section):
         """Of measured motion the angles alone: plunge, pitch and surge follow from them."""
         dumped: dict[str, Any] = whole(self)
         return {k: v for k, v in dumped.items() if k not in ("plunge", "pitch", "surge")} if self.measured else dumped
+
+    @cached_property
+    def stroke(self) -> Travel:
+        """What reverses when the wing does: plunge, surge where there is no plunge, or the measured stroke."""
+        return self.surge if _rests(self.plunge) and not _rests(self.surge) else self.plunge
 
     @property
     def growth(self) -> float:

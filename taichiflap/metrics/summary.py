@@ -275,7 +275,7 @@ def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
 
 
 def reversals(case: Case, first: float, last: float) -> Array:
-    """Times (beats) of stroke reversal, where the plunge velocity changes sign, from `first` to `last`."""
+    """Times (beats) of stroke reversal, where the velocity along the stroke changes sign, from `first` to `last`."""
     step = case.beat / MOMENTS if case.periodic else case.step
     return sampling.reversals(case.motion, first * case.beat, last * case.beat, step) / case.beat
 
@@ -303,7 +303,7 @@ def _phase(case: Case, last: float, force: complex) -> float | None:
 def _driver(case: Case, count: int) -> complex | None:
     """First harmonic of the plunge (of the pitch, if there is none) in the last of `count` beats."""
     moves = case.motion
-    firsts = (_swing(axis, moves.frequency, moves.growth, case.beat, count) for axis in (moves.plunge, moves.pitch))
+    firsts = (_swing(axis, moves.frequency, moves.growth, case.beat, count) for axis in (moves.stroke, moves.pitch))
     return next((first for first in firsts if first), None)
 
 

@@ -72,7 +72,7 @@ def fits(measured: Measured, frequency: float) -> dict[str, Fit]:
 
 
 def travels(measured: Measured, frequency: float, span: float) -> dict[str, Any]:
-    """Plunge, pitch and surge of the section, by their keys.
+    """Plunge, pitch and surge of the section, by their keys, and its stroke along the stroke plane.
 
     Args:
         frequency: Hz.
@@ -87,6 +87,7 @@ def travels(measured: Measured, frequency: float, span: float) -> dict[str, Any]
     return {
         "plunge": _plunge(_sum((across * arc * cosine, stroke), (across * arc * sine, deviation))),
         "surge": _plunge(_sum((arc * sine, stroke), (-arc * cosine, deviation))),
+        "stroke": _plunge(_sum((across * arc, stroke))),
         "pitch": HarmonicPitch(mean_deg=_mean(lean), harmonics_deg=_terms(lean)),
     }
 

@@ -38,12 +38,12 @@ def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
 
 
 def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
-    """Times (s) of stroke reversal from `first` to `last`: where the plunge velocity changes sign, or rests on the way.
+    """Times (s) of stroke reversal from `first` to `last`: where the velocity along the stroke changes sign, or rests.
 
     Args:
         step: s; two reversals within a step may be missed.
     """
-    return _reversals(motion.plunge, motion.frequency, motion.growth, first, last, step)
+    return _reversals(motion.stroke, motion.frequency, motion.growth, first, last, step)
 
 
 @functools.lru_cache(maxsize=256)
