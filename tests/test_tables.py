@@ -69,6 +69,15 @@ READ = {
     "decimal commas and spaces": ("t pitch\n" + commas(rows(separator="   ")), {}),
     "decimal commas, comma and space": (commas(rows(separator="; ")).replace(";", ","), {}),
     "decimal commas and semicolons": (commas(rows(separator=" ;")), {}),
+    "a spreadsheet's word on its separator": ("sep=;\nt;theta\n" + rows(separator=";"), {}),
+    "a separator at the end of numbers": (
+        "time (ms);theta (rad)\n" + rows(np.radians(PITCH), 1e3 * BEAT * TURNS, ";", 9).replace("\n", ";\n"), {}
+    ),
+    "big-endian UTF-16": (b"\xfe\xff" + rows(separator=";").encode("utf-16-be"), {}),
+    "whole numbers beside decimal commas": ("t, theta\n" + "".join(
+        f"{1e3 * BEAT * t:.0f}, {v:.6f}\n".replace(".", ",") for t, v in zip(TURNS, PITCH, strict=True)
+    ), {"time": "ms"}),
+    "the value first": ("theta;t\n" + rows(TURNS, PITCH, ";"), {}),
     "tabs after commas": (rows(separator=",\t"), {}),
     "Windows lines and a last comma": (rows().replace("\n", ",\r\n"), {}),
     "seconds by key": (rows(times=BEAT * TURNS), {"time": "s"}),
@@ -129,6 +138,8 @@ REFUSED = {
     "an unknown unit": (HEADED, {"unit": "grad"}, 'unit = "grad" is not an angle; give deg or rad'),
     "microseconds": ("t (us),theta\n" + rows(), {}, "has its times in us; give them in s, ms or periods"),
     "frames": ("t (frames),theta\n" + rows(), {}, "has its times in frames"),
+    "names with spaces between spaces": ("time (ms)  pitch angle (rad)\n" + rows(separator="  "), {}, "3 names over 2"),
+    "beyond the period": (rows(times=1.02 * TURNS), {}, "1.02 periods in the place of about one"),
     "a spreadsheet": (b"PK\x03\x04 and more", {}, "a spreadsheet; save its columns as CSV"),
     "a binary file": (b"\x00\x01\x02\x03", {}, "not a text file"),
     "words for headings": ("Stroke\nof the\nthird moth\nt,theta\n" + rows(), {}, "line 4 holds no numbers: t,theta"),

@@ -9,8 +9,8 @@ from pathlib import Path
 from .document import DocumentError, read_bytes
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?")
-COMMENT = re.compile(r"\s*(#|%|;|//|!)")
-"""What begins a line that is a comment."""
+COMMENT = re.compile(r"\s*(#|%|;|//|!|sep=.$)")
+"""What begins a line that is a comment, or a spreadsheet's word on its separator."""
 BEHIND = re.compile(r"#.*|(?<=\d)\s+[%!].*")
 """A comment behind the numbers of a line."""
 UNIT = re.compile(r"[(\[{]([^)\]}]*)[)\]}]\s*$|(?:_|\s/\s|\sin\s|/(?!T))(\w+|°)\s*$")
@@ -146,6 +146,8 @@ def read_columns(path: Path) -> list[Column]:
         raise ColumnsError("not a text file with lines of numbers")
     separator = _separator([text for _, text in lines])
     rows = [(number, _cells(text, separator)) for number, text in lines]
+    if all(len(cells) > 1 and not cells[-1] for _, cells in rows[HEADINGS:]):  # a separator at the end of each line
+        rows = [(number, cells[:-1] if not cells[-1] else cells) for number, cells in rows]
     first = next((place for place, cell in enumerate(rows[-1][1]) if NUMBER.fullmatch(cell)), 0)
     headings: list[list[str]] = []
     while len(headings) <= HEADINGS and rows and not NUMBER.fullmatch("".join(rows[0][1][first : first + 1])):
@@ -164,6 +166,10 @@ def read_columns(path: Path) -> list[Column]:
         raise ColumnsError(
             f"has {len(names)} names over {width} columns: commas stand between numbers and within them; "
             "put semicolons between them"
+        )
+    if len(lines) > len(rows) and len(names) != width and any(map(_unit, names)):
+        raise ColumnsError(
+            f"has {len(names)} names over {width} columns: give each column one name, or put # before them"
         )
     _check_decimals(rows, separator)
     names = [name[:LONGEST_NAME] for name in names] if len(names) == width else [""] * width

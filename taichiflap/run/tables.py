@@ -24,6 +24,8 @@ ROUGH_RUN = 7.0
 TOGETHER = 3
 LOW = 8
 """Low harmonics, or a quarter of as many as there are points, and a third where they are few."""
+MOST_LOW, MOST_POINTS = 100, 4000
+"""Of that many harmonics, and points, at most."""
 FAR = 50.0
 """Chords that no wing travels to and fro."""
 LITTLE = 1.6
@@ -77,8 +79,9 @@ def roughness(points: Points, frequency: float | None) -> tuple[float, int]:
         grouped = np.stack((times, values))[:, : count * TOGETHER].reshape(2, count, TOGETHER).mean(axis=2)
         low = _accel(tuple(zip(*grouped.tolist(), strict=True)), grouped[0], False)
         return _ratio(sharp, low), 0
-    harmonics = max(1, min(max(LOW, len(points) // 4), len(points) // 3))
-    low = table(np.arange(FINE) / FINE, points=points, frequency=1.0, smooth=harmonics)[:, 2]
+    some = points[:: math.ceil(len(points) / MOST_POINTS)]
+    harmonics = max(1, min(max(LOW, len(some) // 4), len(some) // 3, MOST_LOW))
+    low = table(np.arange(FINE) / FINE, points=some, frequency=1.0, smooth=harmonics)[:, 2]
     return _ratio(sharp, low), harmonics
 
 
