@@ -126,6 +126,7 @@ REFUSED = {
     "ends apart": (rows(PITCH + 0.5 * TURNS), {}, "begins with 0, but ends with 0.5; make them equal, or smooth"),
     "commas for everything": (commas("t,theta\n0.00,0.10\n0.25,0.30\n0.50,0.10\n0.75,-0.30\n"), {}, "put semicolons"),
     "the same without names": (commas("0.00,0.10\n0.25,0.30\n0.50,0.10\n0.75,-0.30\n"), {}, "put semicolons"),
+    "whole numbers for everything": ("0,1,5,2\n1,2,5,3\n2,3,5,1\n3,4,5,0\n", {"periodic": False}, "are they decimals?"),
     "a point and a comma": ("0.00 1,0\n0.25 2,0\n0.50 1,5\n0.75 1,2\n", {}, "keep one separator"),
     "points and commas": ("0.00;1,0\n0.25;2,0\n0.50;1,5\n0.75;1,2\n", {}, "write decimals in one way"),
     "an empty cell": ("t,a\n0,1\n0.25,\n0.5,2\n0.75,1\n", {}, "line 3 holds no numbers in column 2: nothing"),

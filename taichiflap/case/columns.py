@@ -13,8 +13,8 @@ COMMENT = re.compile(r"\s*(#|%|;|//|!|sep=.$)")
 """What begins a line that is a comment, or a spreadsheet's word on its separator."""
 BEHIND = re.compile(r"#.*|(?<=\d)\s+[%!].*")
 """A comment behind the numbers of a line."""
-UNIT = re.compile(r"[(\[{]([^)\]}]*)[)\]}]\s*$|(?:_|\s/\s|\sin\s|/(?!T))(\w+|°)\s*$")
-"""The unit in a column's name: in brackets, or after an underscore, a slash or `in`. A share t/T has none."""
+UNIT = re.compile(r"[(\[{]([^)\]}]*)[)\]}]\s*$|(?:_|,\s*|\s/\s|\sin\s|/(?!T))(\w+|°)\s*$")
+"""The unit in a column's name: in brackets, or after an underscore, a comma, a slash or `in`. A share t/T has none."""
 ALIKE = str.maketrans(
     dict.fromkeys("\u2212\u2012\u2013\ufe63\uff0d", "-") | dict.fromkeys("\u00a0\u2007\u2009\u202f", " ")
 )
@@ -171,7 +171,7 @@ def read_columns(path: Path) -> list[Column]:
         raise ColumnsError(
             f"has {len(names)} names over {width} columns: give each column one name, or put # before them"
         )
-    _check_decimals(rows, separator)
+    _check_decimals(rows, separator, bool(names))
     names = [name[:LONGEST_NAME] for name in names] if len(names) == width else [""] * width
     units = units if len(units) == width else [""] * width
     return [
@@ -256,9 +256,16 @@ def _cells(line: str, separator: re.Pattern[str]) -> list[str]:
     return [cell.translate(_SHOW).strip() for cell in separator.split(line)]
 
 
-def _check_decimals(rows: list[tuple[int, list[str]]], separator: re.Pattern[str]) -> None:
+def _check_decimals(rows: list[tuple[int, list[str]]], separator: re.Pattern[str], named: bool) -> None:
     """Refuse commas that may be decimal ones, or not."""
     if separator is COMMAS:
+        width = len(rows[0][1])
+        whole = all(cell.lstrip("+-").isdigit() for _, cells in rows for cell in cells)
+        if whole and not named and width > 2 and width % 2 == 0:
+            raise ColumnsError(
+                f"has whole numbers alone between commas, in {width} columns: are they decimals? Put semicolons between "
+                "the numbers, or a line of names above them"
+            )
         fraction = next((cell for _, cells in rows for cell in cells if re.fullmatch(r"0\d+", cell)), None)
         if fraction:
             raise ColumnsError(
