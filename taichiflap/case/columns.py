@@ -171,7 +171,7 @@ def read_columns(path: Path) -> list[Column]:
         raise ColumnsError(
             f"has {len(names)} names over {width} columns: give each column one name, or put # before them"
         )
-    _check_decimals(rows, separator, bool(names))
+    _check_decimals(rows, separator, any(names))
     names = [name[:LONGEST_NAME] for name in names] if len(names) == width else [""] * width
     units = units if len(units) == width else [""] * width
     return [
@@ -263,8 +263,8 @@ def _check_decimals(rows: list[tuple[int, list[str]]], separator: re.Pattern[str
         whole = all(cell.lstrip("+-").isdigit() for _, cells in rows for cell in cells)
         if whole and not named and width > 2 and width % 2 == 0:
             raise ColumnsError(
-                f"has whole numbers alone between commas, in {width} columns: are they decimals? Put semicolons between "
-                "the numbers, or a line of names above them"
+                f"has whole numbers alone between commas, in {width} columns: are they decimals? Put semicolons "
+                "between the numbers, or a line of names above them"
             )
         fraction = next((cell for _, cells in rows for cell in cells if re.fullmatch(r"0\d+", cell)), None)
         if fraction:

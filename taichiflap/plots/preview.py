@@ -16,7 +16,8 @@ from ..drawing import palette, scene
 from ..motion import sampling
 from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
 from ..notation import prefixed, printable
-from .result import RESOLUTION, STYLE, WIDTH
+from . import formats
+from .result import STYLE, WIDTH
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,6 @@ CHORDS = 24
 TIMES = 721
 SLOW = 0.05
 """Share of the largest speed below which a direction of motion, and so an angle of attack, says nothing."""
-FORMATS = ("png", "pdf", "svg", "eps")
 MARGIN = 0.6
 """Free space around the path, chords."""
 ARROW = 0.9
@@ -38,12 +38,11 @@ def write(case: Case, path: Path, overwrite: bool = False) -> Path:
     Raises:
         OutputError: for another ending, or when the file exists already or cannot be written.
     """
-    kind = path.suffix.removeprefix(".").lower()
-    if kind not in FORMATS:
-        raise files.OutputError(f"{path}: a picture is written as {', '.join(FORMATS)}; end the name in one of them")
+    kind = path.suffix[1:].lower()
+    if kind not in formats.KINDS:
+        raise files.OutputError(f"{path}: no picture is written as that; end the name in {', '.join(formats.KINDS)}")
     files.check(path, overwrite)
-    with files.replacing(path) as file, mpl.rc_context(STYLE):
-        preview(case).savefig(file, format=kind, dpi=RESOLUTION, metadata={"Date": None} if kind == "svg" else None)
+    (path,) = formats.write({"": preview(case)}, path.with_suffix(""), (kind,), STYLE, overwrite)
     return path
 
 
