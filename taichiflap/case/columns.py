@@ -259,18 +259,18 @@ def _cells(line: str, separator: re.Pattern[str]) -> list[str]:
 def _check_decimals(rows: list[tuple[int, list[str]]], separator: re.Pattern[str], named: bool) -> None:
     """Refuse commas that may be decimal ones, or not."""
     if separator is COMMAS:
+        fraction = next((cell for _, cells in rows for cell in cells if re.fullmatch(r"0\d+", cell)), None)
+        if fraction:
+            raise ColumnsError(
+                f'has "{fraction}" between commas, which looks like the decimals of a number; '
+                "put semicolons between the numbers, or use decimal points"
+            )
         width = len(rows[0][1])
         whole = all(cell.lstrip("+-").isdigit() for _, cells in rows for cell in cells)
         if whole and not named and width > 2 and width % 2 == 0:
             raise ColumnsError(
                 f"has whole numbers alone between commas, in {width} columns: are they decimals? Put semicolons "
                 "between the numbers, or a line of names above them"
-            )
-        fraction = next((cell for _, cells in rows for cell in cells if re.fullmatch(r"0\d+", cell)), None)
-        if fraction:
-            raise ColumnsError(
-                f'has "{fraction}" between commas, which looks like the decimals of a number; '
-                "put semicolons between the numbers, or use decimal points"
             )
     found = {
         mark: next(((number, cell) for number, cells in rows for cell in cells if _has(mark, cell)), None)

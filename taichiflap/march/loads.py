@@ -1,6 +1,5 @@
 """From what a march tracks to the series and fields that a result holds: positions, inertial forces, power."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -8,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
+from ..motion.stream import in_stream
 from ..structure.beam import Modes
 from .state import ACCEL, AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
 
@@ -81,13 +81,6 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
         "power_net": inertial + by_fluid - damped,
         "energy": mechanical_energy(section, moved.T, state),
     }
-
-
-def in_stream(case: Case, force_y: Array, force_z: Array) -> tuple[Array, Array]:
-    """Lift and thrust of a force (N): across the free stream, a quarter turn counter-clockwise from it, and against."""
-    speed = math.hypot(*case.fluid.velocity)
-    stream_y, stream_z = (component / speed for component in case.fluid.velocity)
-    return force_z * stream_y - force_y * stream_z, -(force_y * stream_y + force_z * stream_z)
 
 
 def _elastic_powers(section: Modes, state: Array, modal_force: Array) -> tuple[Array, Array]:

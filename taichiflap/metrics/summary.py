@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..case.motion import Travel
-from ..march.loads import in_stream
 from ..motion import sampling
+from ..motion.stream import in_stream
 from ..results.reader import Result
 from .beats import Beats, settled_beats
 from .coefficients import reference
