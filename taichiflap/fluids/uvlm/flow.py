@@ -19,11 +19,17 @@ from .lattice import (
     ALONG,
     DENSITY,
     FACTOR,
+    LENGTH,
     PANELS,
+    PRESSURE,
     RELEASED,
     SHEDDING,
     SHEDS,
+    SLIP,
+    SPAN,
     SPEED,
+    SUM,
+    SUM_BEFORE,
     TOTAL,
     WHOLE,
     between,
@@ -88,14 +94,14 @@ def load_modes(body: View, flow: View, b, rule, used: View):
             if flow.size[b, SHEDDING] == 1:
                 running, change_ahead = leading_edge.potential(flow, b, column, rule)
         for i in range(flow.size[b, PANELS]):
-            scale = -flow.constant[b, DENSITY] * flow.span[b, i]
+            scale = -flow.constant[b, DENSITY] * flow.panel[b, SPAN, i]
             circulation = flow.solution[b, column, i]
             running += circulation
             change = rule[C0] * running
             if column == 0:
-                change += rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
+                change += rule[C1] * flow.panel[b, SUM, i] + rule[C2] * flow.panel[b, SUM_BEFORE, i]
             along, _ = acting_tangent(flow, b, i)
-            steady = flow.slip[b, 0, i] * circulation * along
+            steady = flow.air[b, SLIP, i] * circulation * along
             for j in range(modes):
                 share = steady * flow.shape[b, j, ACT, i]
                 share += change_ahead * flow.shape[b, j, AHEAD, i] + change * flow.shape[b, j, BEHIND, i]
@@ -117,8 +123,8 @@ def acting_tangent(flow: View, b, i):
     along = flow.vortex[b, ALONG, i]
     across = flow.vortex[b, ACROSS, i]
     if flow.size[b, WHOLE] == 1:
-        along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.length[b, i]
-        across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.length[b, i]
+        along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.panel[b, LENGTH, i]
+        across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.panel[b, LENGTH, i]
     return along, across
 
 
@@ -156,13 +162,13 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         if flow.size[b, SHEDDING] == 1:
             running, change_ahead, new = leading_edge.settle(body, flow, wakes, b, rule)
     for i in range(flow.size[b, PANELS]):
-        scale = -flow.constant[b, DENSITY] * flow.span[b, i]
+        scale = -flow.constant[b, DENSITY] * flow.panel[b, SPAN, i]
         circulation = circulation_at(body, flow, body.q, b, i)
         running += circulation
         bound += circulation
-        change = rule[C0] * running + rule[C1] * flow.sums[b, 0, i] + rule[C2] * flow.sums[b, 1, i]
-        flow.sums[b, 1, i] = flow.sums[b, 0, i]
-        flow.sums[b, 0, i] = running
+        change = rule[C0] * running + rule[C1] * flow.panel[b, SUM, i] + rule[C2] * flow.panel[b, SUM_BEFORE, i]
+        flow.panel[b, SUM_BEFORE, i] = flow.panel[b, SUM, i]
+        flow.panel[b, SUM, i] = running
         flow.bound[b, CIRCULATION, i] = circulation
         y_0, z_0, y_1, z_1 = flow.node[b, Y, i], flow.node[b, Z, i], flow.node[b, Y, i + 1], flow.node[b, Z, i + 1]
         y_step, z_step = flow.vortex[b, Y, i], flow.vortex[b, Z, i]
@@ -170,7 +176,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         if flow.size[b, WHOLE] == 1:
             y_step, z_step = y_0, z_0
             y_act, z_act = between(y_0, y_1, 0.5), between(z_0, z_1, 0.5)
-        steady = scale * flow.slip[b, 0, i] * circulation
+        steady = scale * flow.air[b, SLIP, i] * circulation
         along, across = acting_tangent(flow, b, i)
         unsteady = scale * (change_ahead * (y_step - y_0) + change * (y_1 - y_step))
         normal = steady * along + unsteady
@@ -180,7 +186,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         total_moment += steady * (y_act * along + z_act * across)
         inner, middle, outer = y_0 * y_0 + z_0 * z_0, y_step * y_step + z_step * z_step, y_1 * y_1 + z_1 * z_1
         total_moment += 0.5 * scale * (change_ahead * (middle - inner) + change * (outer - middle))
-        flow.pressure[b, i] = normal / (flow.span[b, i] * (y_1 - y_0))
+        flow.panel[b, PRESSURE, i] = normal / (flow.panel[b, SPAN, i] * (y_1 - y_0))
         change_ahead = change
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = flow.scalar[b, TOTAL] - bound - new
     flow.scalar[b, TOTAL] = bound
@@ -200,7 +206,7 @@ def prepare(batch: View, b, n, rule, used: View):
     panels = batch.flow.size[b, PANELS]
     if n > 0:
         dt = batch.body.dt[b]
-        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.stream, b, n, dt, used.single_precision)
+        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.constant, b, n, dt, used.single_precision)
     lattice.lay_panels(batch.body, batch.flow, b, n)
     lattice.guard(batch.body, batch.flow, batch.wake, b, n)
     lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used)
@@ -256,7 +262,7 @@ def record_step(batch: View, b, row):
 def record(batch: View, b, frame):
     for i in range(batch.flow.size[b, PANELS]):
         batch.film.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
-        batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.pressure[b, i], ti.f32)
+        batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.panel[b, PRESSURE, i], ti.f32)
     batch.film.wake_count[b, frame] = batch.wake.ring[b, COUNT]
     for m in range(batch.wake.ring[b, COUNT]):
         place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, KEEP]

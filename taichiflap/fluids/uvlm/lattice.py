@@ -30,16 +30,25 @@ ALONG, ACROSS = 2, 3
 PANELS, WHOLE, SHEDDING = range(3)
 """Columns of `size`: number of panels; 1 where the pressure counts whole panels (`loads = "panels"`); 1 where the
 leading edge sheds."""
-DENSITY, FACTOR, EDGE_FACTOR, LIMIT, FRICTION = range(5)
-"""Columns of `constant`: of the fluid, kg/m3; suction over the square of the through-flow at the leading edge, N s2/m2
-(`spacing.suction_factor`; 0: none); `spacing.edge_factor`; largest suction velocity, m/s; friction of
-a side over area and the power 1.5 of its speed (0: none)."""
+STREAM_Y, STREAM_Z, DENSITY, FACTOR, EDGE_FACTOR, LIMIT, FRICTION = range(7)
+"""Columns of `constant`: of the free stream, m/s; of the fluid, kg/m3; suction over the square of the through-flow at
+the leading edge, N s2/m2 (`spacing.suction_factor`; 0: none); `spacing.edge_factor`; largest suction velocity, m/s;
+friction of a side over area and the power 1.5 of its speed (0: none)."""
 (TOTAL, SUCTION, SPEED, SHEDS, RELEASED, RELEASED_BEFORE, WASH_Y, WASH_Z, NEW_Y, NEW_Z, LEADING_Y,
  LEADING_Z) = range(12)  # fmt: skip
 """Columns of `scalar`: bound circulation one step earlier, m2/s; suction, N, as expected; suction velocity at the
 leading edge, m/s, see `leading_edge`; 1 while that edge sheds; circulation that it has shed so far and until a step
 earlier, m2/s; velocity of the wake there, along Y and Z, m/s; in wing axes, m, where the step's new vortices stand, of
 the trailing edge and of the leading edge."""
+LENGTH, SPAN, PRESSURE, SUM, SUM_BEFORE = range(5)
+"""Rows of `panel`: its length and mean span, m; force per area along e_z, Pa; circulation ahead of and on it, one step
+earlier and two, m2/s."""
+CONTROL = 4
+"""First row of the control points in `bound`, after the vortices with their circulation and core."""
+WASH, SLIP, NEW, NEW_LEADING = 0, 2, 4, 6
+"""First rows of `air`, velocities at the control points, m/s: of the wake, in wing axes; of the fluid past the panel,
+along it, as expected (a second row is scratch); of a new vortex of unit circulation at the trailing edge, and of one at
+the leading edge, if it sheds."""
 BASE, STRENGTH = range(2)
 """Rows of `edge`, a value for every column of the solution: A without the new vortex of the leading edge, and how
 strong that vortex is."""
@@ -48,20 +57,13 @@ Lattice = ti.types.argpack(
     size=Ints2,  # what a case gives and what its march keeps, one row a case: see the names of their columns
     constant=Floats2,
     scalar=Floats2,
-    span=Floats2,  # mean span of every panel
-    stream=Floats2,
+    panel=Floats3,  # see the names of its rows
     shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.fluids.uvlm.stations
     node=Floats3,  # nodes in wing axes, and the rate of their deflection without acceleration
-    length=Floats2,
     vortex=Floats3,  # bound vortices and control points in wing axes, with the tangents there ...
     point=Floats3,
     bound=Floats3,  # ... and in Y, Z, the vortices with their circulation
-    control=Floats3,
-    wash=Floats3,  # velocity of the wake at the control points, in wing axes
-    new=Floats3,  # and of a new vortex of unit circulation, then of one of the leading edge, if it sheds
-    slip=Floats3,  # row 0: tangential velocity of the fluid past the panel, as expected
-    sums=Floats3,  # circulation ahead of and on each panel, one step earlier and two
-    pressure=Floats2,
+    air=Floats3,  # see the names of its rows
     matrix=Octets3,  # and the right-hand sides, while they are solved
     solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode;
     # behind them, while it is solved, for a unit vortex of the leading edge
@@ -77,36 +79,30 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     modes = most_modes(sections)
     node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
     shape = np.zeros((count, modes, TABLES, most + 1))
-    size, constant, span = np.zeros((count, 3), dtype=int), np.zeros((count, 5)), np.zeros((count, most))
+    size, constant, panel = np.zeros((count, 3), dtype=int), np.zeros((count, 7)), np.zeros((count, 5, most))
     sheds = [case.uvlm.leading_edge == "sheds" for case in cases]
     columns = modes + 1 + any(sheds)
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
         at, panels = spacing.stations(case), case.uvlm.panels
         node[b, Y, : panels + 1], vortex[b, Y, :panels], point[b, Y, :panels] = at.node, at.vortex, at.point
         shape[b, : section.count, :, : panels + 1] = spacing.tables(case, section.shape, section.slope)
-        span[b, :panels] = Profile.of(case.wing.span).means(at.node / case.wing.chord + case.wing.pivot)
+        panel[b, SPAN, :panels] = Profile.of(case.wing.span).means(at.node / case.wing.chord + case.wing.pivot)
         size[b] = panels, case.uvlm.loads == "panels", sheds[b]
         factor = spacing.suction_factor(case) if case.uvlm.suction or sheds[b] else 0.0
         limit = case.uvlm.suction_limit * case.reference_speed if sheds[b] else 0.0
-        constant[b] = case.fluid.density, factor, spacing.edge_factor(case), limit, spacing.friction_factor(case)
+        of_edge = factor, spacing.edge_factor(case), limit, spacing.friction_factor(case)
+        constant[b] = *case.fluid.velocity, case.fluid.density, *of_edge
     return Lattice(
         size=array(size),
         constant=array(constant),
         scalar=zeros(ti.f64, count, 12),
-        span=array(span),
-        stream=array([case.fluid.velocity for case in cases], float),
+        panel=array(panel),
         shape=array(shape),
         node=array(node),
-        length=zeros(ti.f64, count, most),
         vortex=array(vortex),
         point=array(point),
-        bound=zeros(ti.f64, count, 4, most),
-        control=zeros(ti.f64, count, 2, most),
-        wash=zeros(ti.f64, count, 2, most),
-        new=zeros(ti.f64, count, 2 + 2 * any(sheds), most),
-        slip=zeros(ti.f64, count, 2, most),
-        sums=zeros(ti.f64, count, 2, most),
-        pressure=zeros(ti.f64, count, most),
+        bound=zeros(ti.f64, count, 6, most),
+        air=zeros(ti.f64, count, NEW_LEADING + 2 * any(sheds), most),
         matrix=zeros(Octet, count, most, most // 8 + linear.octets(columns)),
         solution=zeros(ti.f64, count, columns, most),
         edge=zeros(ti.f64, count, 2, columns),
@@ -141,15 +137,15 @@ def lay_panels(body: View, flow: View, b, n):
     for i in range(flow.size[b, PANELS]):
         dy = flow.node[b, Y, i + 1] - flow.node[b, Y, i]
         dz = flow.node[b, Z, i + 1] - flow.node[b, Z, i]
-        flow.length[b, i] = ti.sqrt(dy * dy + dz * dz)
+        flow.panel[b, LENGTH, i] = ti.sqrt(dy * dy + dz * dz)
         put(flow.vortex, deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX, i, modes),
             deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX_SLOPE, i, modes), b, i)  # fmt: skip
         put(flow.point, deflect(flow, body.q_guess, b, AMPLITUDE, POINT, i, modes),
             deflect(flow, body.q_guess, b, AMPLITUDE, POINT_SLOPE, i, modes), b, i)  # fmt: skip
         flow.bound[b, Y, i] = o_y + cosine * flow.vortex[b, Y, i] - sine * flow.vortex[b, Z, i]
         flow.bound[b, Z, i] = o_z + sine * flow.vortex[b, Y, i] + cosine * flow.vortex[b, Z, i]
-        flow.control[b, Y, i] = o_y + cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
-        flow.control[b, Z, i] = o_z + sine * flow.point[b, Y, i] + cosine * flow.point[b, Z, i]
+        flow.bound[b, CONTROL + Y, i] = o_y + cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
+        flow.bound[b, CONTROL + Z, i] = o_z + sine * flow.point[b, Y, i] + cosine * flow.point[b, Z, i]
 
 
 @ti.func
@@ -197,7 +193,7 @@ def guard(body: View, flow: View, wakes: View, b, n):
 @ti.func
 def velocity_past(body: View, flow: View, b, n, i):
     """Velocity (m/s) of the stream relative to node `i` without modal acceleration, along e_y and e_z."""
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     return (
         theta_rate * flow.node[b, Z, i] - p_y,
@@ -223,8 +219,8 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
         u_y, u_z = velocity_past(body, flow, b, n, edge)
         if n > 0:
             youngest = wakes.ring[b, YOUNGEST]
-            w_y = wakes.velocity[b, Y, youngest] - flow.stream[b, Y]
-            w_z = wakes.velocity[b, Z, youngest] - flow.stream[b, Z]
+            w_y = wakes.velocity[b, Y, youngest] - flow.constant[b, Y]
+            w_z = wakes.velocity[b, Z, youngest] - flow.constant[b, Z]
             u_y += cosine * w_y + sine * w_z
             u_z += cosine * w_z - sine * w_y
         share = wakes.setting[b, ALONG_PATH] * body.dt[b]
@@ -240,7 +236,9 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
     flow.scalar[b, NEW_Z] = z
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.size[b, PANELS]):
-        flow.new[b, Y, i], flow.new[b, Z, i] = unit_velocity(flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2)
+        flow.air[b, NEW + Y, i], flow.air[b, NEW + Z, i] = unit_velocity(
+            flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2
+        )
 
 
 @ti.func
@@ -249,11 +247,11 @@ def wash_panels(body: View, flow: View, wakes: View, b, n):
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
-        y = octet(flow.control, b, Y, 8 * block)
-        z = octet(flow.control, b, Z, 8 * block)
+        y = octet(flow.bound, b, CONTROL + Y, 8 * block)
+        z = octet(flow.bound, b, CONTROL + Z, 8 * block)
         u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
-        store_octet(flow.wash, b, Y, 8 * block, cosine * u_y + sine * u_z)
-        store_octet(flow.wash, b, Z, 8 * block, cosine * u_z - sine * u_y)
+        store_octet(flow.air, b, WASH + Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.air, b, WASH + Z, 8 * block, cosine * u_z - sine * u_y)
 
 
 @ti.func
@@ -265,17 +263,17 @@ def assemble(body: View, flow: View, b, n):
     """
     modes = body.modes[b]
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
     for i in range(flow.size[b, PANELS]):
         t_y = flow.point[b, ALONG, i]
         t_z = flow.point[b, ACROSS, i]
-        new = flow.new[b, Z, i] * t_y - flow.new[b, Y, i] * t_z
+        new = flow.air[b, NEW + Z, i] * t_y - flow.air[b, NEW + Y, i] * t_z
         for block in range((flow.size[b, PANELS] + 7) // 8):
             dy = flow.point[b, Y, i] - octet(flow.vortex, b, Y, 8 * block)
             dz = flow.point[b, Z, i] - octet(flow.vortex, b, Z, 8 * block)
             flow.matrix[b, i, block] = INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz) - new
-        u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.wash[b, Y, i]
-        u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.wash[b, Z, i]
+        u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.air[b, WASH + Y, i]
+        u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.air[b, WASH + Z, i]
         u_z += deflect(flow, body.q_known, b, RATE, POINT, i, modes)
         flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.scalar[b, TOTAL]
         for k in range(modes):

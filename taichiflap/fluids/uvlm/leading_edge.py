@@ -24,6 +24,8 @@ from .lattice import (
     LEADING_Y,
     LEADING_Z,
     LIMIT,
+    NEW,
+    NEW_LEADING,
     NEW_Y,
     NEW_Z,
     PANELS,
@@ -40,9 +42,6 @@ from .lattice import (
 )  # fmt: skip
 from .stations import EDGE_SLOPE, NODE
 from .wake import ALONG_PATH, COUNT, DISTANCE, LEADING, YOUNGEST, YOUNGEST_LEADING
-
-NEW = 2
-"""First row of `new` for the leading edge's vortex."""
 
 
 @ti.func
@@ -67,8 +66,8 @@ def place(body: View, flow: View, wakes: View, b, n):
     w_y, w_z = flow.scalar[b, WASH_Y], flow.scalar[b, WASH_Z]
     if flow.scalar[b, SHEDS] > 0.0:
         youngest = wakes.ring[b, YOUNGEST_LEADING]
-        w_y = wakes.velocity[b, Y, youngest] - flow.stream[b, Y]
-        w_z = wakes.velocity[b, Z, youngest] - flow.stream[b, Z]
+        w_y = wakes.velocity[b, Y, youngest] - flow.constant[b, Y]
+        w_z = wakes.velocity[b, Z, youngest] - flow.constant[b, Z]
     u_y += cosine * w_y + sine * w_z
     u_z += cosine * w_z - sine * w_y
     share = wakes.setting[b, ALONG_PATH] * body.dt[b]
@@ -81,8 +80,8 @@ def place(body: View, flow: View, wakes: View, b, n):
     core2 = wake.core2_at_birth(wakes, b)
     for i in range(flow.size[b, PANELS]):
         u_y, u_z = unit_velocity(flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2)
-        flow.new[b, NEW + Y, i] = u_y
-        flow.new[b, NEW + Z, i] = u_z
+        flow.air[b, NEW_LEADING + Y, i] = u_y
+        flow.air[b, NEW_LEADING + Z, i] = u_z
 
 
 @ti.func
@@ -102,8 +101,8 @@ def wash_edge(body: View, flow: View, wakes: View, b, n):
 def assemble(body: View, flow: View, b):
     """Right-hand side of a unit vortex at the leading edge, which the trailing edge's one gives up (Kelvin)."""
     for i in range(flow.size[b, PANELS]):
-        u_y = flow.new[b, Y, i] - flow.new[b, NEW + Y, i]
-        u_z = flow.new[b, Z, i] - flow.new[b, NEW + Z, i]
+        u_y = flow.air[b, NEW + Y, i] - flow.air[b, NEW_LEADING + Y, i]
+        u_z = flow.air[b, NEW + Z, i] - flow.air[b, NEW_LEADING + Z, i]
         flow.solution[b, body.modes[b] + 1, i] = u_z * flow.point[b, ALONG, i] - u_y * flow.point[b, ACROSS, i]
 
 

@@ -64,7 +64,7 @@ class LongWakes:
         flow = self._flow
         if self._single:
             _narrow_all(self._wakes, self._ready, flow.bound, flow.size)
-        _carry_all(self._wakes, self._tree, self._ready, flow.bound, flow.size, flow.stream, n, blocks, self._lanes)
+        _carry_all(self._wakes, self._tree, self._ready, flow.bound, flow.size, flow.constant, n, blocks, self._lanes)
 
     def _room(self) -> int:
         return max([ring_size(case) for case in self._cases if case.uvlm.far_error], default=0)

@@ -14,12 +14,17 @@ from .lattice import (
     EDGE_FACTOR,
     FACTOR,
     FRICTION,
+    LENGTH,
     LIMIT,
+    NEW,
     PANELS,
     SHEDS,
+    SLIP,
+    SPAN,
     SPEED,
     SUCTION,
     TOTAL,
+    WASH,
     circulation_at,
     deflect,
 )  # fmt: skip
@@ -44,13 +49,13 @@ def past_points(body: View, flow: View, b, n):
     V holds the stream and the wake, as the paper's does, but not what the bound vortices of a bent wing add.
     """
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
     new = new_circulation(body, flow, b)
     for i in range(flow.size[b, PANELS]):
-        u_y = flow.wash[b, Y, i] + new * flow.new[b, Y, i] - p_y + theta_rate * flow.point[b, Z, i]
-        u_z = flow.wash[b, Z, i] + new * flow.new[b, Z, i] - p_z - theta_rate * flow.point[b, Y, i]
+        u_y = flow.air[b, WASH + Y, i] + new * flow.air[b, NEW + Y, i] - p_y + theta_rate * flow.point[b, Z, i]
+        u_z = flow.air[b, WASH + Z, i] + new * flow.air[b, NEW + Z, i] - p_z - theta_rate * flow.point[b, Y, i]
         u_z -= deflect(flow, body.q_guess, b, RATE, POINT, i, body.modes[b])
-        flow.slip[b, 0, i] = u_y * flow.point[b, ALONG, i] + u_z * flow.point[b, ACROSS, i]
+        flow.air[b, SLIP, i] = u_y * flow.point[b, ALONG, i] + u_z * flow.point[b, ACROSS, i]
 
 
 @ti.func
@@ -79,22 +84,22 @@ def past_vortices(body: View, flow: View, wakes: View, b, n):
     `Gamma kappa/(4 pi)`, kappa its curvature.
     """
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
         u_y, u_z = induced(flow, wakes, octet(flow.bound, b, Y, 8 * block), octet(flow.bound, b, Z, 8 * block), b)
-        store_octet(flow.slip, b, Y, 8 * block, cosine * u_y + sine * u_z)
-        store_octet(flow.slip, b, Z, 8 * block, cosine * u_z - sine * u_y)
+        store_octet(flow.air, b, SLIP + Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.air, b, SLIP + Z, 8 * block, cosine * u_z - sine * u_y)
     for i in range(flow.size[b, PANELS]):
         t_y = flow.vortex[b, ALONG, i]
         t_z = flow.vortex[b, ACROSS, i]
-        u_y = flow.slip[b, Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
-        u_z = flow.slip[b, Z, i] - p_z - theta_rate * flow.vortex[b, Y, i]
+        u_y = flow.air[b, SLIP + Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
+        u_z = flow.air[b, SLIP + Z, i] - p_z - theta_rate * flow.vortex[b, Y, i]
         u_z -= deflect(flow, body.q_guess, b, RATE, VORTEX, i, body.modes[b])
         turn = t_y * flow.point[b, ACROSS, i] - t_z * flow.point[b, ALONG, i]
         bend = turn * t_y / (flow.point[b, Y, i] - flow.vortex[b, Y, i])
-        flow.slip[b, 0, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
+        flow.air[b, SLIP, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
 
 
 @ti.func
@@ -110,15 +115,15 @@ def friction(flow: View, b, bound):
     """
     arc, along = 0.0, 0.0
     for i in range(flow.size[b, PANELS]):
-        arc += flow.length[b, i]
-        along += flow.length[b, i] * flow.slip[b, 0, i]
+        arc += flow.panel[b, LENGTH, i]
+        along += flow.panel[b, LENGTH, i] * flow.air[b, SLIP, i]
     stress = 0.0
     for side in ti.static((-0.5, 0.5)):
         speed = (along + side * bound) / arc
         stress += flow.constant[b, FRICTION] * ti.sqrt(ti.abs(speed)) * speed
     force, moment = 0.0, 0.0
     for i in range(flow.size[b, PANELS]):
-        share = stress * flow.span[b, i] * flow.length[b, i]
+        share = stress * flow.panel[b, SPAN, i] * flow.panel[b, LENGTH, i]
         force += share
         moment -= share * flow.vortex[b, Z, i]
     return force, moment
@@ -134,7 +139,7 @@ def suck(body: View, flow: View, wakes: View, b, n):
     slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
     stretch = ti.sqrt(1.0 + slope * slope)
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.stream, b, n)
+    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
