@@ -11,6 +11,7 @@ from taichiflap.case.case import CaseError
 from taichiflap.fluids.uvlm import wake
 from taichiflap.kernels.runtime import view
 from taichiflap.march.march import March
+from taichiflap.run import warnings
 
 EDGE = (
     "uvlm.spacing=cosine", "uvlm.loads=vortices", "uvlm.shedding=local", "uvlm.convection=second_order",
@@ -236,3 +237,22 @@ def test_a_plate_edge_on_to_a_stream_has_blasius_friction():
     expected = 1.328 * 1.225 * speed**2 * chord * span * (viscosity / (speed * chord)) ** 0.5
     np.testing.assert_allclose(frames.force[:, 1], expected, rtol=1e-12)
     np.testing.assert_allclose(frames.force[:, [0, 2]], 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        (("uvlm.core=0.02",), "below the largest panel"),
+        (("uvlm.suction_limit=0", "fluid.velocity=[20, 0]", "motion.pitch.amplitude_deg=1"), "sheds at every angle"),
+        ((), "at least 20"),
+    ],
+)
+def test_what_separated_flow_is_not_good_for_is_warned_of(settings, said):
+    assert said in " ".join(warnings.warnings(hawkmoth(*SHORT, *settings)))
+    assert said not in " ".join(warnings.warnings(hawkmoth(*SHORT, *settings, "uvlm.leading_edge=attached")))
+
+
+def test_the_reynolds_number_goes_by_the_speed_of_the_pivot():
+    """The hawkmoth's pivot has an amplitude of 20 mm at 25 Hz: a root mean square speed of 2.22 m/s."""
+    assert hawkmoth().reynolds is None
+    assert hawkmoth("fluid.viscosity=1.5e-5").reynolds == pytest.approx(2.2214 * 0.02 / 1.5e-5, rel=1e-3)

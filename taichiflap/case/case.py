@@ -166,6 +166,17 @@ class Case(Section):
         """
         return self.uvlm.reference_speed or self._leading_edge_speed
 
+    @property
+    def reynolds(self) -> float | None:
+        """Reynolds number of the chord and the root mean square speed of the pivot relative to the stream.
+
+        That of the trailing edge where the pivot rests; None without a viscosity.
+        """
+        if self.fluid.viscosity is None:
+            return None
+        speed = self._edge_speed(0.0) or self._edge_speed(1.0 - self.wing.pivot)
+        return speed * self.wing.chord / self.fluid.viscosity
+
     @cached_property
     def _leading_edge_speed(self) -> float:
         return self._edge_speed(-self.wing.pivot)

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from pydantic import BeforeValidator, Field
+from pydantic.json_schema import SkipJsonSchema
 
 from .schema import Section, as_tuple, key
 
@@ -16,8 +17,8 @@ class Fluid(Section):
     """The fluid around the wing."""
 
     density: float = key(1.225, unit="kg/m3", text="density of the fluid", ge=0, le=1e5)
-    viscosity: float | None = key(
-        None, unit="m2/s", text="kinematic viscosity of the fluid", example=1.5e-5, gt=0, le=1e3
+    viscosity: float | SkipJsonSchema[None] = key(
+        None, unit="m2/s", text="kinematic viscosity: air 1.5e-5, water 1e-6", example=1.5e-5, gt=0, le=1e3
     )
     velocity: Velocity = key((0.0, 0.0), unit="m/s", text="free stream along Y and Z (-Y is up)")
 

@@ -161,7 +161,10 @@ def _coefficients(case: Case, summary: Summary) -> Iterator[str]:
 def _model(case: Case) -> str:
     model = fluids.known(case.solver)
     settings = [case.model, *(model.settings(case) if model else [])]
-    return ", ".join([*settings, f"fluid {case.fluid.density:g} kg/m3"])
+    fluid = [f"fluid {case.fluid.density:g} kg/m3"]
+    if case.reynolds is not None:
+        fluid.append(f"Reynolds number {case.reynolds:.3g}")
+    return ", ".join([*settings, *fluid])
 
 
 def _wing(case: Case, result: Result) -> str:

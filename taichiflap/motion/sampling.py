@@ -98,6 +98,31 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
     return math.sqrt(np.mean(along_y**2 + along_z**2))
 
 
+def flow_to_chord(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> tuple[Array, Array]:
+    """Velocity (m/s) of the stream relative to the rigid chord at `times`, along it and across it.
+
+    Args:
+        behind: distance of the place on the chord behind the pivot, m.
+    """
+    moved = sample(motion, times)
+    cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
+    stream_y, stream_z = stream[0] - moved[:, SURGE_RATE], stream[1] - moved[:, PLUNGE_RATE]
+    along = stream_y * cosine + stream_z * sine
+    return along, stream_z * cosine - stream_y * sine - behind * moved[:, PITCH_RATE]
+
+
+def typical_angle(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> float:
+    """Mean angle (degrees) of the flow to the rigid chord over `times`, weighted by the square of its speed.
+
+    Arguments as of `flow_to_chord`.
+    """
+    along, across = flow_to_chord(motion, behind, stream, times)
+    pressure = along**2 + across**2
+    if not pressure.any():
+        return 0.0
+    return math.degrees(float(np.average(np.arctan2(np.abs(across), np.abs(along)), weights=pressure)))
+
+
 def sample_axis(axis: Travel, frequency: float | None, growth: float, times: NDArray[np.floating]) -> Array:
     """Plunge, pitch or surge at `times` (s) with its derivatives, shape (times, 3).
 

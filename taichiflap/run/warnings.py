@@ -11,7 +11,6 @@ from ..case.case import Case
 from ..case.solver import ELSEWHERE
 from ..metrics.summary import Summary
 from ..motion import sampling
-from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE, SURGE_RATE
 from ..structure import beam
 from ..structure.chordwise import Profile
 from . import tables
@@ -71,7 +70,7 @@ def outcome(case: Case, tip_deflection: NDArray[np.float64], summary: Summary | 
     model = fluids.load(case.solver)
     attached = model.attached_in(case)
     if attached is not None:
-        angle = _angle(case)
+        angle = sampling.typical_angle(case.motion, _middle(case), case.fluid.velocity, _last_beat(case))
         if angle > attached:
             found.append(
                 f"the flow meets the chord at {angle:.0f} deg where it is fast: beyond some {attached:g} deg "
@@ -127,7 +126,7 @@ def _of_stream(case: Case) -> Iterator[str]:
     model = fluids.load(case.solver)
     if not model.sheds_behind or not case.fluid.streams:
         return
-    along, across = _flow(case)
+    along, across = sampling.flow_to_chord(case.motion, _middle(case), case.fluid.velocity, _last_beat(case))
     speed = math.sqrt(float(np.mean(along**2 + across**2)))
     if speed and np.mean(along) < BACKWARDS * speed:
         yield (
@@ -161,10 +160,11 @@ def _of_speed(case: Case) -> Iterator[str]:
     fastest, there = FASTEST[fluid]
     if speed > fastest:
         yield f"the trailing edge moves through the fluid at {speed:.3g} m/s, but {fluid} {there} at such speeds"
-    reynolds = speed * chord / VISCOSITY[fluid]
+    reynolds = speed * chord / (case.fluid.viscosity or VISCOSITY[fluid])
+    guess = "" if case.fluid.viscosity else f" if the fluid is {fluid}"
     if case.fluid.density and speed and not REYNOLDS[0] < reynolds < REYNOLDS[1]:
         yield (
-            f"the Reynolds number is about {reynolds:.2g} if the fluid is {fluid}; wings and fins have "
+            f"the Reynolds number is about {reynolds:.2g}{guess}; wings and fins have "
             f"{REYNOLDS[0]:g} to {REYNOLDS[1]:g}: check wing.chord, motion.frequency and the amplitudes"
         )
 
@@ -173,24 +173,9 @@ def _last_beat(case: Case) -> NDArray[np.float64]:
     return np.linspace(max(0.0, case.duration - case.beat), case.duration, TIMES)
 
 
-def _angle(case: Case) -> float:
-    """Mean angle (degrees) of the flow to the rigid chord at its middle, weighted by the square of the flow's speed."""
-    along, across = _flow(case)
-    pressure = along**2 + across**2
-    if not pressure.any():
-        return 0.0
-    return math.degrees(float(np.average(np.arctan2(np.abs(across), np.abs(along)), weights=pressure)))
-
-
-def _flow(case: Case) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Velocity (m/s) of the flow along and across the rigid chord at its middle, over the last beat."""
-    moved = sampling.sample(case.motion, _last_beat(case))
-    cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
-    stream_y = case.fluid.velocity[0] - moved[:, SURGE_RATE]
-    stream_z = case.fluid.velocity[1] - moved[:, PLUNGE_RATE]
-    along = stream_y * cosine + stream_z * sine
-    across = stream_z * cosine - stream_y * sine - (0.5 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
-    return along, across
+def _middle(case: Case) -> float:
+    """Distance of the middle of the chord behind the pivot, m."""
+    return (0.5 - case.wing.pivot) * case.wing.chord
 
 
 def file_size(case: Case) -> float:

@@ -6,12 +6,15 @@ from typing import Any
 import numpy as np
 
 from ...case.case import Case
+from ...motion.sampling import typical_angle
 from ...structure.beam import Modes
 from ..interface import WAKE, Array, Flow, Model, Output, Refinement, Velocity, standard
 from . import stations
 
 ATTACHED = 20.0
 """Degrees that a flow to a sharp edge stays attached at, even for a moment."""
+FEWEST_BEATS, MOMENTS = 20, 512
+"""Beats that the mean of a separated flow takes in hover; times of a beat at which the motion is looked at."""
 SPREAD = 0.08
 """Least radius over which a vortex is spread in a picture of the flow, chords: a point alone would be a needle."""
 
@@ -64,10 +67,37 @@ class Uvlm(Model):
 
     def settings(self, case: Case) -> list[str]:
         wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
-        return [f"{case.uvlm.panels} panels", wake]
+        edge = f"leading edge sheds above suction limit {case.uvlm.suction_limit:g}"
+        return [f"{case.uvlm.panels} panels", wake, *([edge] if stations.sheds(case) else [])]
+
+    def warnings(self, case: Case) -> list[str]:
+        if not stations.sheds(case):
+            return []
+        uvlm, found = case.uvlm, []
+        largest = np.pi / (2.0 * uvlm.panels)
+        if uvlm.core < largest:
+            found.append(
+                f"uvlm.core = {uvlm.core:g} chords is below the largest panel, {largest:.2g}: the force gets noisy as "
+                "vortices pass the wing; give a larger core or more uvlm.panels"
+            )
+        middle = (0.5 - case.wing.pivot) * case.wing.chord
+        times = case.duration - case.beat * np.linspace(0.0, 1.0, MOMENTS)
+        angle = typical_angle(case.motion, middle, case.fluid.velocity, times)
+        if uvlm.suction_limit == 0.0 and any(case.fluid.velocity) and angle < ATTACHED:
+            found.append(
+                f"uvlm.suction_limit = 0 sheds at every angle, and at {angle:.2g} deg the flow would stay "
+                "attached: lift comes out far too high; give a limit such as 0.1"
+            )
+        beats = case.time.periods
+        if beats and not any(case.fluid.velocity) and beats < FEWEST_BEATS:
+            found.append(
+                f"time.periods = {beats}: beats of a separated flow in hover differ by a quarter; a mean with its "
+                f"standard error takes at least {FEWEST_BEATS}"
+            )
+        return found
 
     def attached_in(self, case: Case) -> float | None:
-        return ATTACHED
+        return None if stations.sheds(case) else ATTACHED
 
     def cures(self, case: Case) -> list[str]:
         near = "a uvlm.core such as 0.02 (a vortex may have come too close to the wing)"
