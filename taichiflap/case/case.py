@@ -266,14 +266,12 @@ class Case(Section):
         """The case by section: as plain values where a key begins with its name, else as it is, checked already."""
         keys = {key.partition("=")[0].strip() for key in keys}
         names = {key.partition(".")[0] for key in keys}
-        opened = self.model_dump(mode="json", exclude_none=True, exclude_unset=True, include=names)
+        opened = self.model_dump(mode="json", exclude_none=True, include=names)
+        if "uvlm" in opened:  # what it leaves out depends on its leading edge
+            opened["uvlm"] = self.uvlm.model_dump(mode="json", exclude_none=True, exclude_unset=True)
         if "motion" in opened:
             opened["motion"] = reopened(opened["motion"], keys, self.origin)
-        return {
-            name: opened.get(name, {} if name in names and isinstance(value, Section) else value)
-            for name, value in self
-            if value is not None
-        }
+        return {name: opened.get(name, value) for name, value in self if value is not None}
 
     def to_dict(self) -> dict[str, Any]:
         """The case as plain dictionaries, lists and numbers."""

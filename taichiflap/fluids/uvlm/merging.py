@@ -108,6 +108,12 @@ def merger(wake: View, b, i, a, c):
 
 
 @ti.func
+def distance2(wake: View, b, i, y, z):
+    """Square of the distance of a vortex from a place, m2."""
+    return (wake.vortex[b, Y, i] - y) ** 2 + (wake.vortex[b, Z, i] - z) ** 2
+
+
+@ti.func
 def choose(wake: View, b, y, z):
     """Order of the vortex to absorb; -1 if none can be."""
     chosen = -1
@@ -116,7 +122,10 @@ def choose(wake: View, b, y, z):
         if neighbour(wake, b, order, -1) >= 0 and neighbour(wake, b, order, 1) >= 0:
             i, a, c = sheet_around(wake, b, order)
             _, _, _, q_y, q_z, possible = merger(wake, b, i, a, c)
-            r2 = (wake.vortex[b, Y, i] - y) ** 2 + (wake.vortex[b, Z, i] - z) ** 2
+            r2 = distance2(wake, b, i, y, z)
+            if is_list(wake, b):
+                # Merging has put neighbours far apart: one may be near the wing.
+                r2 = ti.min(r2, distance2(wake, b, a, y, z), distance2(wake, b, c, y, z))
             cost = ti.sqrt((q_y * q_y + q_z * q_z) / r2) / r2
             if r2 < wake.setting[b, ABSORB_BEYOND] ** 2:
                 cost += 0.5 * FAR
@@ -222,12 +231,10 @@ def merge(wake: View, b, n, y, z):
 def merging_costs(wake: View, b, i, a, y, z):
     """Velocity (m/s) that merging two vortices changes at (y, z); without bound near the wing, or of unlike signs."""
     gamma_i, gamma_a = wake.vortex[b, CIRCULATION, i], wake.vortex[b, CIRCULATION, a]
-    i2 = (wake.vortex[b, Y, i] - y) ** 2 + (wake.vortex[b, Z, i] - z) ** 2
-    a2 = (wake.vortex[b, Y, a] - y) ** 2 + (wake.vortex[b, Z, a] - z) ** 2
-    nearest2 = ti.min(i2, a2)
+    nearest2 = ti.min(distance2(wake, b, i, y, z), distance2(wake, b, a, y, z))
     cost = FAR
     if gamma_i * gamma_a > 0.0 and nearest2 > wake.setting[b, MERGE_BEYOND] ** 2:
-        d2 = (wake.vortex[b, Y, i] - wake.vortex[b, Y, a]) ** 2 + (wake.vortex[b, Z, i] - wake.vortex[b, Z, a]) ** 2
+        d2 = distance2(wake, b, i, wake.vortex[b, Y, a], wake.vortex[b, Z, a])
         reduced = ti.abs(gamma_i * gamma_a / (gamma_i + gamma_a))
         cost = INV_2PI * reduced * d2 / (nearest2 * ti.sqrt(nearest2))
     return cost
