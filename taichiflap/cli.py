@@ -182,6 +182,7 @@ def plot(
     whole: Annotated[
         bool, typer.Option("--whole", help="of a map, no grey for cases for which the model does not hold")
     ] = False,
+    sheets: Annotated[bool, typer.Option("--sheets", help="colour the wake by the edge that shed it")] = False,
 ) -> None:
     """Draw for print: the last beat of one result or two, and the wing of each; or a map."""
     from contextlib import ExitStack
@@ -200,7 +201,7 @@ def plot(
         results = [stack.enter_context(open_result(path)) for path in (file, other) if path is not None]
         from .plots.result import plot as draw
 
-        for path in draw(results, output, overwrite):
+        for path in draw(results, output, overwrite, sheets):
             print(f"{path} written")
 
 

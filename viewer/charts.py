@@ -43,6 +43,9 @@ class Quantity:
 MODES = Quantity("q", "Modal amplitudes", f"10⁻³ {VARIABLES['q'].units}", 1e3)
 
 
+SHEDDING = Quantity("leading_edge_sheds", "Leading edge sheds", "1: yes, 0: no", 1.0)
+
+
 FORCES = (("force_normal", "Force along the wing's normal"), ("force_vertical", "Vertical force"))
 IN_STREAM = (("lift", "Lift across the stream"), ("thrust", "Thrust against the stream"))
 """Forces that are shown, and their titles."""
@@ -67,6 +70,8 @@ def quantities(runs: list[Run]) -> list[Quantity]:
     ]
     if any(len(run.shape) > 1 for run in runs):
         found.append(MODES)
+    if any(run.has_sheets for run in runs):
+        found.append(SHEDDING)
     return [*found, *_own(runs)]
 
 

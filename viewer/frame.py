@@ -26,6 +26,7 @@ class Frame:
         wake: positions of the wake vortices, oldest first, shape (vortex, 2).
         circulation: of the wake vortices, m2/s.
         age: time since each was shed, beats.
+        edge: that shed them, 0 the trailing and 1 the leading edge.
         drawn: what has been drawn of the frame, by style and layer, for all browsers of that style.
     """
 
@@ -41,6 +42,7 @@ class Frame:
     wake: Array
     circulation: Array
     age: Array
+    edge: NDArray[np.int64]
     drawn: dict[Hashable, dict[str, Any]] = field(default_factory=dict, compare=False, repr=False)
 
     @property

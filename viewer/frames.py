@@ -74,7 +74,7 @@ class Run:
         self.status = self.result.status
         # What went wrong; where exactly, and what is likely to help, `info` tells.
         self.reason = str(self.result.attributes.get("reason", "")).partition(";")[0].partition(". ")[0]
-        self.has_wake = self.result.has_wake
+        self.has_wake, self.has_sheets = self.result.has_wake, self.result.has_sheets
         self.variables = self.result.variables
         self.station = self.result.stations
         self.shape = self.result.modes.get("shape", np.zeros((0, len(self.station))))
@@ -263,6 +263,7 @@ class Run:
             wake=_on_screen(wake["y"], wake["z"], scale),
             circulation=wake["circulation"],
             age=self.turns(index) - wake["birth"] / self.steps_per_beat,
+            edge=wake["edge"].astype(int),
         )
 
     def _time(self, index: int) -> float:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from html import escape
 
+from taichiflap.drawing.palette import SHEETS
 from taichiflap.notation import prefixed
 
 from .colours import RUNS, Map, Theme, css
@@ -37,6 +38,9 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
     if any(run.has_wake for run in runs):
         limit = 1e3 * ranges.circulation
         parts.append(bar_html(Bar("Wake: circulation", theme.circulation, -limit, limit, "10⁻³ m²/s", TURN)))
+        if any(run.has_sheets for run in runs):
+            edges = zip(SHEETS, ("trailing edge", "leading edge"), strict=True)
+            parts.append("two sheets: " + " ".join(_swatch(colour) + edge for colour, edge in edges))
     elif not several:
         parts.append(f"No wake: {runs[0].case.model} computes none.")
     if background:

@@ -65,7 +65,7 @@ class Panel:
             self._listen(self.background, "background")
             self.layers = {}
             for name, (title, hint) in LAYERS.items():
-                missing = name == "wake" and not run.has_wake
+                missing = (name == "wake" and not run.has_wake) or (name == "sheets" and not run.has_sheets)
                 self.layers[name] = gui.add_checkbox(title, playback.layers[name], disabled=missing, hint=hint)
                 self._listen(self.layers[name], name)
             self.dark = gui.add_checkbox("Dark", playback.dark)

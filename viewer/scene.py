@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from taichiflap.drawing.palette import SHEETS
 from taichiflap.notation import prefixed
 
 from . import wire
@@ -29,6 +30,7 @@ FORCE_CHORDS, VELOCITY_CHORDS, LOAD_CHORDS = 1.0, 0.5, 0.5
 
 LAYERS = {
     "wake": ("Wake", "the vortices that the wing has shed"),
+    "sheets": ("Two sheets", "colour the wake by the edge that shed it, not by its circulation"),
     "ghost": ("Undeformed", "where the chord would be, were the wing rigid"),
     "stroke": ("Stroke plane", "and the path of the pivot in it"),
     "force": ("Force", "the fluid's force on the whole wing"),
@@ -41,7 +43,8 @@ LAYERS = {
 def default_layers(run: Run) -> dict[str, bool]:
     """Which layers are shown at first: the details of a blade element are all that it has."""
     wake = run.has_wake
-    return {"wake": wake, "ghost": True, "stroke": True, "force": True, "velocity": not wake, "load": not wake}
+    shown = {"wake": wake, "sheets": False, "ghost": True, "stroke": True, "force": True}
+    return shown | {"velocity": not wake, "load": not wake}
 
 
 def place(points: Array, depth: float | Array) -> NDArray[np.float32]:
@@ -142,6 +145,7 @@ class Actor:
         frame = self.run.frame(index)
         drawn = frame.drawn.setdefault(self._style, {})
         handles = {"wing": self.wing}
+        drawing = {"wake": "sheets"} if shown["sheets"] else {}
         for name, handle in self.layers.items():
             visible = shown[name] and (name != "wake" or len(frame.wake) > 0)
             if visible:
@@ -149,16 +153,19 @@ class Actor:
             if handle.visible != visible:
                 handle.visible = visible
         for name, handle in handles.items():
-            if name not in drawn:
-                drawn[name] = self._draw(name, frame)
-            wire.send(handle, **drawn[name])
+            way = drawing.get(name, name)
+            if way not in drawn:
+                drawn[way] = self._draw(way, frame)
+            wire.send(handle, **drawn[way])
 
     def _draw(self, name: str, frame: Frame) -> dict[str, NDArray[Any]]:
         if name == "wing":
             return {"points": self._wing(frame), "colors": self._wing_colours(frame)}
-        if name == "wake":
+        if name in ("wake", "sheets"):
             limit = self.ranges.circulation
             colours = self.theme.circulation.symmetric(frame.circulation, limit)
+            if name == "sheets":
+                colours = np.array([rgb(colour) for colour in SHEETS], dtype=np.uint8)[frame.edge]
             return {"points": wake_points(frame, limit), "colors": colours}
         if name == "ghost":
             return {"points": polyline(frame.chord, GHOST)}

@@ -58,6 +58,8 @@ DARK = Theme(
 
 LINES = ("#0060a8", "#d55e00")
 """Colours of the first and second result of a comparison."""
+SHEETS = ("#7a8794", "#d03a8c")
+"""Colours of the vortices shed by the trailing edge and by the leading edge, where they are told apart."""
 PARTS = ("#16191d", "#0060a8", "#d55e00")
 """Colours of a whole and its two parts."""
 

@@ -46,6 +46,7 @@ class Frame:
         wake: positions of the wake vortices on the page, m, oldest first, shape (vortices, 2).
         circulation: theirs, m2/s.
         age: time since each was shed, beats.
+        edge: that shed them, 0 the trailing and 1 the leading edge.
         force: fluid force on the page, N, shape (2,).
         traction: fluid force per area on the page at the middles of the panels, Pa, shape (panels, 2).
     """
@@ -55,6 +56,7 @@ class Frame:
     wake: Array
     circulation: Array
     age: Array
+    edge: NDArray[np.int64]
     force: Array
     traction: Array
 
@@ -149,6 +151,7 @@ def frame(result: Result, index: int) -> Frame:
         wake=on_page(wake["y"], wake["z"]),
         circulation=np.asarray(wake["circulation"], dtype=float),
         age=(float(result.case.step_of(range(result.frames)[index])) - wake["birth"]) / result.case.steps_per_beat,
+        edge=np.asarray(wake["edge"], dtype=int),
         force=on_page(result.frame("force_y", index), result.frame("force_z", index)),
         traction=on_page(
             axial * math.cos(pitch) - normal * math.sin(pitch), axial * math.sin(pitch) + normal * math.cos(pitch)

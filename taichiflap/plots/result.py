@@ -64,12 +64,15 @@ STYLE: Any = {
 }
 
 
-def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = False) -> list[Path]:
+def plot(
+    results: Sequence[Result], stem: Path | None = None, overwrite: bool = False, sheets: bool = False
+) -> list[Path]:
     """Write `STEM-summary` of all results, and `STEM-wing`, `STEM-wing-2`, ... of each, as PNG and SVG.
 
     Args:
         stem: how the files' names begin, or a folder to put them in; the first result's own name, here, if None. With
             the extension pdf, eps, svg or png they are written as that alone.
+        sheets: colour wakes by the edge that shed them instead of by circulation.
 
     Returns:
         The files written.
@@ -84,7 +87,7 @@ def plot(results: Sequence[Result], stem: Path | None = None, overwrite: bool = 
     for name in names:
         for kind in kinds:
             files.check(stem.with_name(f"{stem.name}-{name}.{kind}"), overwrite)
-    figures = dict(zip(names, (summary(results), *map(wing, results)), strict=True))
+    figures = dict(zip(names, (summary(results), *(wing(one, sheets) for one in results)), strict=True))
     return formats.write(figures, stem, kinds, STYLE, overwrite)
 
 
@@ -106,6 +109,8 @@ def summary(results: Sequence[Result]) -> Figure:
             colour = palette.LINES[number % len(palette.LINES)]
             turns = result.time[scene.last_steps(result)] / result.case.beat
             turns = length * (turns - round(turns[-1]) + 1.0)
+            for ax in axes if result.has_sheets else ():
+                _mark_shedding(ax, turns, _last_beat(result, "leading_edge_sheds") > 0.5, number)
             for ax, (factor, _), (_, _, series) in zip(axes, units, shown, strict=True):
                 for variable, (_, line) in zip(series, STYLES, strict=False):
                     width = 1.3 if line == "-" else 1.0
@@ -129,7 +134,7 @@ def summary(results: Sequence[Result]) -> Figure:
     return figure
 
 
-def wing(result: Result) -> Figure:
+def wing(result: Result, sheets: bool = False) -> Figure:
     """The wing at instants of the last beat: with its wake if the model has one, else with the load on the chord.
 
     Raises:
@@ -156,7 +161,7 @@ def wing(result: Result) -> Figure:
         figure = Figure(figsize=(WIDTH, height), layout=layout)
         axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):
-            dots = _draw_wake(ax, frame, shared, size, many) if dotted else None
+            dots = _draw_wake(ax, frame, shared, size, many, sheets) if dotted else None
             _draw_wing(ax, frame, size)
             ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
             ax.set_title(scene.when(result.case, round(frame.beats, 6)), fontsize=8, pad=3)
@@ -168,11 +173,18 @@ def wing(result: Result) -> Figure:
         else:
             factor, unit = prefixed(shared.force, "N")
             text, size = f"{factor * shared.force:g} {unit}, force of the fluid", shared.force
-            bar = figure.colorbar(
-                dots, ax=axes, shrink=0.85, aspect=35, pad=0.015, extend="both" if shared.saturated else "neither"
-            )
-            bar.set_label("Circulation of wake vortices, Γ (m² s⁻¹)\npositive counter-clockwise")
-            bar.outline.set_linewidth(0.4)
+            if sheets:
+                marks = [
+                    Line2D([], [], marker="o", linestyle="", markersize=4, color=colour, label=f"{edge} edge")
+                    for colour, edge in zip(palette.SHEETS, ("trailing", "leading"), strict=True)
+                ]
+                figure.legend(handles=marks, loc="outside right center", title="Shed by the")
+            else:
+                bar = figure.colorbar(
+                    dots, ax=axes, shrink=0.85, aspect=35, pad=0.015, extend="both" if shared.saturated else "neither"
+                )
+                bar.set_label("Circulation of wake vortices, Γ (m² s⁻¹)\npositive counter-clockwise")
+                bar.outline.set_linewidth(0.4)
         title = f"{scene.label(result)}, {result.case.model}{f': beat {beat + 1}' if result.case.periodic else ''}"
         figure.text(0.01, head, title, va="center", fontsize=8.5)
         axes[0, 0].quiverkey(
@@ -248,8 +260,19 @@ def _shade(ax: Any, result: Result, length: float) -> None:
         )  # fmt: skip
 
 
-def _draw_wake(ax: Any, frame: scene.Frame, shared: scene.Bounds, size: float, many: bool) -> Any:
+def _mark_shedding(ax: Any, turns: np.ndarray, sheds: np.ndarray, number: int) -> None:
+    """A bar along the bottom while the leading edge sheds; those of several results lie over each other."""
+    low = 0.025 * number
+    colour, over = palette.SHEETS[1], ax.get_xaxis_transform()
+    ax.fill_between(turns, low, low + 0.02, where=sheds, transform=over, color=colour, linewidth=0.0, zorder=1)
+
+
+def _draw_wake(ax: Any, frame: scene.Frame, shared: scene.Bounds, size: float, many: bool, sheets: bool) -> Any:
     """Dots that shrink with the page; `size` is the chord on it, points."""
+    if sheets:
+        colours = np.array(palette.SHEETS)[frame.edge]
+        area = np.clip(0.105 * size, 0.8, 2.0) ** 2
+        return ax.scatter(*(1e3 * frame.wake.T), c=colours, linewidths=0.0, s=area, rasterized=many, zorder=2)
     cmap = ListedColormap(palette.table() / 255.0)
     order = np.argsort(np.abs(frame.circulation))
     return ax.scatter(

@@ -176,6 +176,11 @@ class Result:
         """Whether the model computes a wake."""
         return "wake" in self.file
 
+    @property
+    def has_sheets(self) -> bool:
+        """Whether the wake has two sheets, one from either edge."""
+        return f"wake/{WAKE_EDGE}" in self.file
+
     def wake(self, index: int) -> dict[str, np.ndarray]:
         """Wake vortices of one frame, oldest first.
 
