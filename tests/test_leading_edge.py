@@ -8,7 +8,7 @@ from oracle import UvlmOracle
 import taichiflap
 from taichiflap import fluids
 from taichiflap.case.case import CaseError
-from taichiflap.fluids.uvlm import wake
+from taichiflap.fluids.uvlm import long_wake, wake
 from taichiflap.kernels.runtime import view
 from taichiflap.march.march import March
 from taichiflap.run import warnings
@@ -185,6 +185,27 @@ def test_merging_keeps_circulation_and_centroid_of_each_sheet():
     births = view(marched.groups["wake"].birth)[0, : len(edge)]
     for which in (0, 1):
         assert np.all(np.diff(births[edge == which]) > 0)
+
+
+@pytest.mark.slow
+def test_two_sheets_go_by_all_threads_and_by_the_tree(monkeypatch):
+    """All threads give the same bits; the tree stays within the error that it is allowed."""
+    settings = (*SHORT, "wing.modes=1", "uvlm.merge_error=1e-5")
+    fused, _ = march(hawkmoth(*settings))
+    monkeypatch.setattr(long_wake, "WIDE", 60)
+    wide, marched = march(hawkmoth(*settings), block=50)
+    assert marched.flow.first == 30
+    for name in ("q", "force", "wake", "wake_edge"):
+        assert np.array_equal(getattr(wide, name), getattr(fused, name)), name
+    monkeypatch.setattr(long_wake, "FAR", 60)
+    treed = hawkmoth(*settings, "uvlm.far_error=1e-6")
+    by_tree, marched = march(treed)
+    error = view(marched.groups["wake"].tally)[0, wake.FAR_ERROR]
+    assert 0.0 < error < 1e-6 * long_wake.typical_speed_of(treed)
+    early = slice(0, 80)
+    largest = np.abs(fused.force).max()
+    np.testing.assert_allclose(by_tree.force[early], fused.force[early], atol=1e-4 * largest)
+    assert not np.array_equal(by_tree.force, fused.force)
 
 
 @pytest.mark.slow
