@@ -25,7 +25,11 @@ LEAST_WAKE = 10
 
 
 class Uvlm(Section):
-    """Unsteady vortex lattice on the deformed camber line, with a free wake."""
+    """Unsteady vortex lattice on the deformed camber line, with a free wake.
+
+    With leading_edge = "sheds", what is left out is panels = 40, wake = 1000, merge_error = 1e-4, crossing = "pass",
+    core = 0.05 and core_growth = 0.3.
+    """
 
     panels: int = key(20, text="panels along the chord", ge=1, le=1000)
     spacing: Literal["cosine", "uniform"] = key(
