@@ -19,6 +19,7 @@ from .document import DocumentError, check, names_no_file, own_case, read_text, 
 from .fluid import Fluid
 from .messages import describe
 from .motion import Motion
+from .navier_stokes import THINNEST, NavierStokes
 from .output import Output
 from .schema import Section, key, needed, section
 from .solver import Solver, model_name
@@ -35,6 +36,8 @@ WITHIN_WORDS = str.maketrans("-.:", "___")
 """What a bare word of a setting may hold."""
 LONGEST_SHOWN = 60
 """Characters of a wrong value that a message shows."""
+OWN_STEPS = ("navier_stokes",)
+"""Models whose step follows from the flow where the case does not say."""
 MOMENTS = 1024
 """Times at which the speed is looked at for it."""
 
@@ -66,8 +69,37 @@ class Case(Section):
     fluid: Fluid = section(Fluid)
     dbet: Dbet = section(Dbet)
     uvlm: Uvlm = section(Uvlm)
+    navier_stokes: NavierStokes = section(NavierStokes)
     time: Time = section(Time)
     output: Output = section(Output)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _steps_of_its_own(cls, given: Any) -> Any:
+        """A model whose step follows from the flow finds it where the case does not say."""
+        if not isinstance(given, Mapping) or given.get("solver") not in OWN_STEPS:
+            return given
+        time = given.get("time", {})
+        if isinstance(time, Time):
+            time = time.model_dump(exclude_unset=True, exclude_none=True)
+        if not isinstance(time, Mapping) or any(key in time for key in ("steps_per_period", "duration", "step")):
+            return given
+        return {**given, "time": {**time, "steps_per_period": "auto"}}
+
+    @model_validator(mode="after")
+    def _viscous(self) -> "Case":
+        if self.solver != "navier_stokes":
+            return self
+        if self.fluid.viscosity is None:
+            raise needed("fluid.viscosity", "the Navier-Stokes equations need it; air has 1.5e-5 m2/s, water 1e-6 m2/s")
+        if isinstance(self.wing.span, tuple):
+            raise ValueError("wing.span is a table: the Navier-Stokes model is of one section; give a number")
+        if self.wing.modes and self.navier_stokes.thickness and self.navier_stokes.thickness < THINNEST:
+            raise ValueError(
+                f"navier_stokes.thickness = {self.navier_stokes.thickness:g}: the map of a bending section needs at "
+                f"least {THINNEST:g} chords; give {THINNEST:g} or leave it out"
+            )
+        return self
 
     @model_validator(mode="after")
     def _moved(self) -> "Case":
@@ -188,11 +220,11 @@ class Case(Section):
         if time.periods is not None and frequency is not None:
             asked = time.steps_per_period
             if not isinstance(asked, int):
-                asked = max(math.ceil(1.0 / (frequency * self._matched_step())), LEAST_STEPS)
+                asked = max(math.ceil(1.0 / (frequency * self.matched_step())), LEAST_STEPS)
             return time.periods * asked, 1.0 / (frequency * asked)
         duration = cast(float, time.duration)
         if time.step == "auto":
-            steps = max(math.ceil(duration / self._matched_step()), LEAST_STEPS)
+            steps = max(math.ceil(duration / self.matched_step()), LEAST_STEPS)
             return steps, duration / steps
         step = cast(float, time.step)
         return max(1, math.floor(duration / step * (1.0 + 1e-12))), step
@@ -205,7 +237,7 @@ class Case(Section):
         times = self.motion.growth * self.periodic + over * np.arange(MOMENTS) / MOMENTS
         return motion.typical_speed(self.motion, behind * self.wing.chord, self.fluid.velocity, times)
 
-    def _matched_step(self) -> float:
+    def matched_step(self) -> float:
         """The time (s) in which the trailing edge travels as far through the fluid as the fluid model says."""
         from .. import fluids  # noqa: PLC0415 - only an automatic step needs them
 

@@ -13,7 +13,7 @@ def _whose(value: object) -> str:
 
 
 Solver = Annotated[
-    Annotated[Literal["uvlm", "dbet"], Tag("here")]
+    Annotated[Literal["uvlm", "dbet", "navier_stokes"], Tag("here")]
     | Annotated[
         str, Field(pattern=rf"^{ELSEWHERE}[A-Za-z_]\w*(\.[A-Za-z_]\w*)*$", title="module:NAME"), Tag("elsewhere")
     ],

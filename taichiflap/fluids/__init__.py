@@ -15,7 +15,7 @@ from ..case.solver import ELSEWHERE
 from ..errors import UserError
 from .interface import Model
 
-MODELS = ("dbet", "uvlm")
+MODELS = ("dbet", "navier_stokes", "uvlm")
 """Packages here that hold a model, by the name that a case file gives it."""
 
 

@@ -139,6 +139,9 @@ class Flow:
         before_step: called with each step from `first` on before the march takes it, to do on all threads what one
             case's thread would be long at.
         first: see `before_step`.
+        passes: level of Taichi's passes over its kernels, see `taichiflap.kernels.runtime.passes`.
+        reason: `reason(b, step)` says why case `b` of the batch stopped, and the cure, if the model knows; else
+        nothing.
     """
 
     groups: Mapping[str, Any]
@@ -150,6 +153,8 @@ class Flow:
     uses: Hashable = None
     before_step: Callable[[int], None] | None = None
     first: int = 0
+    passes: int | None = None
+    reason: Callable[[int, int], str] | None = None
 
     @property
     def kernel_key(self) -> Hashable:
@@ -254,6 +259,14 @@ class Model:
         except ValidationError as error:
             found = [describe(one, {"numbers": given}, whole) for one in error.errors(include_url=False)]
             raise CaseError(case.title or self.name, list(dict.fromkeys(found))) from None
+
+    def outcome(self, case: Case, written: Callable[[str], Any]) -> list[str]:
+        """What the model was not good for in a case that has been computed, one sentence each.
+
+        Args:
+            written: the values of a variable by its name.
+        """
+        return []
 
     def axes(self, case: Case) -> Mapping[str, Axis]:
         """The axes of its outputs that are neither `node` nor `panel`."""

@@ -10,7 +10,7 @@ import io
 import os
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from typing import Any as Ints3
     from typing import Any as Octets2
     from typing import Any as Octets3
+    from typing import Any as Octets4
     from typing import Any as Singles3
     from typing import Any as Singles4
     from typing import Any as View
@@ -48,7 +49,7 @@ else:
     Ints1, Ints2, Ints3 = (ti.types.ndarray(dtype=ti.i32, ndim=n) for n in (1, 2, 3))
     Floats1, Floats2, Floats3, Floats4 = (ti.types.ndarray(dtype=ti.f64, ndim=n) for n in (1, 2, 3, 4))
     Singles3, Singles4 = (ti.types.ndarray(dtype=ti.f32, ndim=n) for n in (3, 4))
-    Octets2, Octets3 = (ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=n) for n in (2, 3))
+    Octets2, Octets3, Octets4 = (ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=n) for n in (2, 3, 4))
 
 Octet: Any = ti.types.vector(8, ti.f64) if ti else None
 """Eight doubles: one AVX-512 register, the unit in which pair sums, eliminations and blade elements are written.
@@ -200,6 +201,25 @@ def _cache() -> dict[str, Any]:
         except (OSError, ValueError):
             continue
     return {"offline_cache": False}
+
+
+@contextlib.contextmanager
+def passes(level: int | None) -> Iterator[None]:
+    """Taichi's own passes over the kernels that are compiled inside.
+
+    Level 0 leaves out those whose time grows with the square of a kernel's length; LLVM optimises all the same. With
+    None they are as always.
+    """
+    if level is None:
+        yield
+        return
+    config = ti.lang.impl.current_cfg()
+    before = config.opt_level
+    config.opt_level = level
+    try:
+        yield
+    finally:
+        config.opt_level = before
 
 
 def tasks(cases: int, threads: int | None = None) -> int:

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..case.case import Case
 from ..kernels import linear, runtime
-from ..kernels.runtime import LANE, Floats3, Floats4, Ints1, View, tasks, ti, view
+from ..kernels.runtime import LANE, Floats3, Floats4, Ints1, View, passes, tasks, ti, view
 from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
 from ..structure import beam
 from . import divergence
@@ -308,7 +308,8 @@ class March:
             self._launch(n, n + 1, first)
 
     def _launch(self, first: int, last: int, opening: int) -> None:
-        self._kernel(self._batch, np.array([first, last, opening, len(self.cases), self._lanes], dtype=np.int32))
+        with passes(self.flow.passes):
+            self._kernel(self._batch, np.array([first, last, opening, len(self.cases), self._lanes], dtype=np.int32))
 
     def failures(self) -> np.ndarray:
         """The step at which each case diverged, or -1."""
@@ -323,6 +324,9 @@ class March:
         step, count = int(self.failures()[b]), self.sections[b].count
         if step < 0:
             return ""
+        known = self.flow.reason(b, step) if self.flow.reason else ""
+        if known:
+            return known
         # The step that failed has moved its predecessor to the rows from BEFORE on.
         now, before = (view(self.body.q)[b, row, :count] for row in (AMPLITUDE, BEFORE))
         now, before = now.copy(), before.copy()

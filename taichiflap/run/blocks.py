@@ -171,6 +171,7 @@ def _run(
         for b, writer in enumerate(writers):
             reason = march.reason(b, functools.partial(finer_helps, threads=threads))
             more = [] if reason else warnings.outcome(writer.case, writer.written("tip_deflection"), _summary(writer))
+            more += [] if reason else fluid.outcome(writer.case, writer.written)
             results.append(writer.finish("failed" if reason else "complete", solve_time, reason, more))
         return results
     except BaseException:

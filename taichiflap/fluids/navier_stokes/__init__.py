@@ -1,0 +1,125 @@
+"""Two-dimensional Navier-Stokes flow about a rigid or bending section, on a conformal grid."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...case.case import Case
+from ...structure.beam import Modes
+from ..interface import Array, Axis, Flow, Model, Output, Refinement, standard
+from .settings import INSERTED, completed, settings, starts_with_jump
+
+_FRICTION = "the rest is pressure"
+
+
+class NavierStokes(Model):
+    """The Navier-Stokes equations (`[navier_stokes]`)."""
+
+    name = "Navier-Stokes"
+    outputs = (
+        *standard("pressure_jump", "shear"),
+        Output("friction_normal", (), "N", "share of force_normal from friction", "F_N,f", _FRICTION),
+        Output("friction_axial", (), "N", "share of force_axial from friction", "F_A,f", _FRICTION),
+        Output(
+            "courant", (), "1", "largest Courant number of a cell so far", "C",
+            "looked at when fields are stored; beyond about 15 the first beat errs by more than a percent",
+        ),
+        Output(
+            "vorticity", ("rho", "phi"), "s-1", "vorticity of the fluid", "omega",
+            "on the grid about the wing, in the inertial frame; positive counter-clockwise in (Y, Z)", "f4",
+        ),
+        Output(
+            "map", ("exponent", "part"), "m", "coefficients of the map of the grid", "a",
+            "y + i z = sum of a zeta^exponent, zeta = exp(rho + i phi), in the wing's axes from the pivot",
+        ),
+    )  # fmt: skip
+
+    def nodes(self, case: Case) -> Array:
+        half, chord = settings(case).cells // 2, case.wing.chord
+        return chord * (0.5 * (1.0 - np.cos(np.pi * np.arange(half + 1) / half)) - case.wing.pivot)
+
+    def axes(self, case: Case) -> Mapping[str, Axis]:
+        grid = settings(case).grid(case.wing.pivot)
+        terms = min(MOST_TERMS, grid.points // 2) if case.wing.modes else 2
+        return {
+            "rho": Axis(0.5 * (grid.faces[1:] + grid.faces[:-1]), "1", "logarithm of the distance in the map's plane"),
+            "phi": Axis(grid.centres, "rad", "angle in the map's plane"),
+            "exponent": Axis(1 - np.arange(terms + 1), "1", "exponent of zeta"),
+            "part": Axis(np.arange(2), "1", "real and imaginary part"),
+        }
+
+    def warnings(self, case: Case) -> list[str]:
+        found = []
+        number = settings(case).reynolds
+        if number > WILD:
+            found.append(
+                f"the Reynolds number is {number:.3g}: beyond {WILD:g} a two-dimensional flow keeps its vortices "
+                "too strong"
+            )
+        if case.motion.start_up_periods == INSERTED and starts_with_jump(case):
+            found.append(
+                "the motion begins with a jump, which a viscous flow cannot follow: it grows smoothly from zero over "
+                f"motion.start_up_periods = {INSERTED:g}"
+            )
+        if case.periodic and case.time.periods and case.time.periods < SETTLED and number > SHEDDING:
+            found.append(
+                f"{case.time.periods} periods: a separated flow needs {SETTLED} or more for a mean that repeats"
+            )
+        return found
+
+    def outcome(self, case: Case, written: Callable[[str], Any]) -> list[str]:
+        found = []
+        bent = float(np.abs(written("tip_deflection")).max(initial=0.0)) / case.wing.chord
+        if bent > FAR:
+            found.append(
+                f"the trailing edge bends by up to {bent:.2g} chords: beyond {FAR:g} the grid's map may not converge"
+            )
+        number = float(written("courant")[-1])
+        if number > COURANT:
+            found.append(
+                f"the Courant number reached {number:.3g}: beyond {COURANT:g} the step errs by more than a percent; "
+                f"give time.steps_per_period = {math.ceil(case.steps_per_beat * number / COURANT)}"
+            )
+        return found
+
+    def completed(self, case: Case) -> Case:
+        return completed(case)
+
+    def stride(self, case: Case) -> float:
+        number = settings(case).reynolds
+        return case.wing.chord * next(share for most, share in STRIDE if number <= most)
+
+    def settings(self, case: Case) -> list[str]:
+        found = settings(case)
+        rows = found.grid(case.wing.pivot).rows
+        return [f"{rows} x {found.cells} cells", f"Reynolds number {found.reynolds:.3g}"]
+
+    def refinements(self, case: Case) -> list[Refinement]:
+        return [Refinement("navier_stokes.cells", settings(case).cells)]
+
+    def work(self, case: Case, step: int) -> float:
+        grid = settings(case).grid(case.wing.pivot)
+        return (40.0 if case.wing.modes else 20.0) * grid.rows * grid.points
+
+    def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
+        from .flow import flow  # noqa: PLC0415 - Taichi, for a run alone
+
+        return flow(cases, sections, body)
+
+
+STRIDE = ((300.0, 0.01), (3000.0, 0.005), (math.inf, 0.0025))
+"""Chords that the trailing edge travels in an automatic step, up to a Reynolds number."""
+WILD = 3000.0
+"""Reynolds number of a warning."""
+SETTLED, SHEDDING = 10, 300.0
+"""Periods of a mean that repeats, from a Reynolds number on."""
+FAR = 0.5
+"""Tip deflection of a warning, chords."""
+COURANT = 15.0
+"""Courant number of a warning."""
+MOST_TERMS = 64
+"""Coefficients of the map of a bent section that are stored, besides the first."""
+
+MODEL = NavierStokes()

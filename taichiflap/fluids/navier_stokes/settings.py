@@ -1,0 +1,140 @@
+"""What a case asks of the grid: given in its `[navier_stokes]`, or found from its Reynolds number."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...case.case import Case
+from ...errors import UserError
+from ...motion import sampling
+from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE, SURGE_RATE
+from .grid import Grid
+
+POINTS = ((300.0, 128), (1500.0, 192), (3000.0, 256), (math.inf, 384))
+"""Cells around the section up to a Reynolds number."""
+SPACING = 0.3
+"""Thickness of the first row at mid-chord times the root of the Reynolds number, chords."""
+WIDEST = 0.3
+"""The first row at mid-chord is at most this share of a cell's angle."""
+RADIUS = 7.6, 30.0
+"""Outer radius without and with a free stream, chords."""
+THICKNESS = 0.02, 0.04
+"""Thickness of a rigid and of a bending section, chords: thinner ones need more points of the map."""
+LEAST_SQUARE = 8.0
+"""Square of the cells over the Reynolds number below which they cannot resolve the flow; the defaults have 20 and
+more."""
+COARSEST = 4.0
+"""Automatic steps that a step may be long."""
+FRAMES_A_BEAT = 40
+INSERTED = 1.0
+"""Periods of the start-up where the motion begins with a jump."""
+JUMP = 0.01
+"""Speed of the trailing edge at the start, as a share of its typical speed, that counts as one."""
+STILL = 0.1
+"""Share of the trailing edge's speed below which a pivot counts as still."""
+CELLS = (64, 96, 128, 192, 256, 288, 384, 512, 576, 768, 1024, 1152, 1536)
+"""Numbers of cells that a message may name."""
+TIMES = 512
+
+
+class ResolutionError(UserError):
+    """Raised when cells cannot resolve a flow: one sentence with the number that would do."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Numbers of a case's flow; lengths in chords."""
+
+    reynolds: float
+    cells: int
+    thickness: float
+    radius: float
+    wall_spacing: float
+
+    def grid(self, pivot: float) -> Grid:
+        """The grid that they ask for."""
+        half = 0.5 * self.thickness
+        return Grid.stretched(
+            self.cells, 2.0 * self.wall_spacing, math.log(self.radius / (0.5 * (0.5 + half))), half, pivot
+        )
+
+
+def reynolds(case: Case) -> float:
+    """Mean speed of the pivot through the fluid, or of the trailing edge if the pivot rests, times chord over
+    viscosity."""
+    first = case.motion.growth
+    span = 1.0 / case.motion.frequency if case.motion.frequency else max(case.duration - first, case.step)
+    moved = sampling.sample(case.motion, first + span * np.arange(TIMES) / TIMES)
+    y, z = moved[:, SURGE_RATE] - case.fluid.velocity[0], moved[:, PLUNGE_RATE] - case.fluid.velocity[1]
+    turning = (1.0 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
+    sine, cosine = np.sin(moved[:, PITCH]), np.cos(moved[:, PITCH])
+    pivot, edge = np.hypot(y, z).mean(), np.hypot(y - turning * sine, z + turning * cosine).mean()
+    speed = pivot if pivot > STILL * edge else edge
+    return float(speed * case.wing.chord / case.fluid.viscosity)
+
+
+def settings(case: Case) -> Settings:
+    """The case's numbers, each given or found."""
+    asked, number = case.navier_stokes, reynolds(case)
+    cells = asked.cells or next(points for most, points in POINTS if number <= most)
+    stream = any(case.fluid.velocity)
+    spacing = min(SPACING / math.sqrt(max(number, 1.0)), WIDEST * 2.0 * math.pi / cells)
+    return Settings(
+        reynolds=number,
+        cells=cells,
+        thickness=asked.thickness or THICKNESS[case.wing.modes > 0],
+        radius=asked.radius or RADIUS[stream],
+        wall_spacing=asked.wall_spacing or spacing,
+    )
+
+
+def checked(case: Case) -> Settings:
+    """The case's numbers.
+
+    Raises:
+        ResolutionError: when the cells or steps cannot resolve the flow.
+    """
+    found = settings(case)
+    if found.cells**2 < LEAST_SQUARE * found.reynolds:
+        least = next((n for n in CELLS if n**2 >= LEAST_SQUARE * found.reynolds), None)
+        if least is None:
+            raise ResolutionError(
+                f"the Reynolds number is {found.reynolds:.3g}: beyond {CELLS[-1] ** 2 / LEAST_SQUARE:.3g} no grid of "
+                "this model resolves the flow; check fluid.viscosity, or take another solver"
+            )
+        raise ResolutionError(
+            f"navier_stokes.cells = {found.cells} is too few at a Reynolds number of {found.reynolds:.3g}; give "
+            f"{least}, or leave it out"
+        )
+    needed = COARSEST * case.matched_step() if found.reynolds else math.inf
+    if case.step > needed:
+        cure = f"time.step = {needed:.3g} s"
+        if case.time.periods is not None:
+            cure = f"time.steps_per_period = {math.ceil(case.beat / needed)}"
+        raise ResolutionError(
+            f"the step of {case.step:.3g} s is too long at a Reynolds number of {found.reynolds:.3g}: the flow would "
+            f'pass many cells in one; give {cure} or more steps, or "auto"'
+        )
+    return found
+
+
+def completed(case: Case) -> Case:
+    """The case with a number of frames and a start-up where it does not say."""
+    changed: dict[str, Any] = {}
+    if "every" not in case.output.model_fields_set:
+        every = max(1, round(case.steps_per_beat / FRAMES_A_BEAT))
+        changed["output"] = case.output.model_copy(update={"every": every})
+    if case.periodic and not case.motion.growth and starts_with_jump(case):
+        changed["motion"] = case.motion.model_copy(update={"start_up_periods": INSERTED})
+    return case.model_copy(update=changed) if changed else case
+
+
+def starts_with_jump(case: Case) -> bool:
+    """Whether the wing, but for a start-up, has a velocity at the start."""
+    motion = case.motion.model_copy(update={"start_up": None, "start_up_periods": None})
+    behind = (1.0 - case.wing.pivot) * case.wing.chord
+    over = 1.0 / motion.frequency if motion.frequency else case.duration
+    typical = sampling.typical_speed(motion, behind, (0.0, 0.0), over * np.arange(TIMES) / TIMES)
+    return sampling.typical_speed(motion, behind, (0.0, 0.0), np.zeros(1)) > JUMP * typical

@@ -1,0 +1,352 @@
+"""What a case gives its flow before the first step: its numbers, tables, and the state at rest."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from ...case.case import Case
+from ...kernels.arrays import array, octet_array, zeros
+from ...kernels.runtime import Octet
+from ...motion import sampling
+from ...motion.sampling import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE_ACCEL, SURGE_RATE
+from ...structure.beam import Modes
+from . import MODEL, arrays, mapping
+from .arrays import LINES, MODAL_LINES, Arrays
+from .fourier import PLAN, Plan
+from .grid import Grid, positions, slopes
+from .settings import Settings, checked
+
+MAP_POINTS = ((0.04, 2048), (0.0, 4096))
+"""Points of a bending section's map from a thickness in chords on."""
+ROUND_OFF = 1e-14
+LONGEST_SERIES = 128
+"""A mode's series ends when it is as good as this, or so long."""
+SPARE = 4
+"""Rows behind the last: transforms take two at a time, systems eight."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Given:
+    """A case and what follows from it."""
+
+    case: Case
+    modes: Modes
+    settings: Settings
+    grid: Grid
+
+    @classmethod
+    def of(cls, case: Case, modes: Modes) -> "Given":
+        """What follows from a case."""
+        found = checked(case)
+        return cls(case, modes, found, found.grid(case.wing.pivot))
+
+    @property
+    def plans(self) -> list[Plan]:
+        """Plans of the flow's transforms and of the map's."""
+        return [self.grid.plan, Plan(map_points(self.settings.thickness))] if self.modes.count else [self.grid.plan]
+
+    def sizes(self) -> list[int]:
+        """Row of `size`."""
+        grid = self.grid
+        felt = grid.reach(self.viscosity * self.case.step)
+        terms, count = (grid.points // 2, self.series().shape[1]) if self.modes.count else (0, 0)
+        return [grid.rows, grid.points // 8, grid.near, felt, grid.rows + SPARE, terms, count, self.stored, 0]
+
+    @property
+    def viscosity(self) -> float:
+        """Viscosity, chords^2/s."""
+        return float(self.case.fluid.viscosity / self.case.wing.chord**2)
+
+    @property
+    def stored(self) -> int:
+        """Coefficients of the map that are stored."""
+        return len(np.asarray(MODEL.axes(self.case)["exponent"].values))
+
+    def numbers(self) -> list[float]:
+        """Row of `number`."""
+        case, chord = self.case, self.case.wing.chord
+        load = case.fluid.density * chord**3 * float(case.wing.span)  # type: ignore[arg-type]
+        grid = self.grid
+        pascal = case.fluid.density * chord**2
+        return [
+            self.viscosity, grid.dphi, 1.0 / grid.points, chord, load, load * chord, grid.half, *case.fluid.velocity,
+            pascal,
+        ]  # fmt: skip
+
+    def rows(self) -> Array:
+        """Constants of the rows, (rows + SPARE, COLUMNS)."""
+        grid = self.grid
+        made = np.zeros((grid.rows + SPARE, arrays.COLUMNS))
+        made[:, arrays.THICKNESS] = 1.0
+        inside = made[: grid.rows]
+        inside[:, arrays.THICKNESS] = grid.drho
+        inside[:, arrays.UPPER_FACE], inside[:, arrays.LOWER_FACE] = grid.diffusion
+        inside[:, arrays.INVERSE] = 1.0 / (grid.drho * grid.dphi)
+        face, row = grid.blend
+        inside[:, arrays.SHARE_FACE], inside[:, arrays.SHARE_UPPER], inside[:, arrays.SHARE_ROW] = (
+            face[:-1],
+            face[1:],
+            row,
+        )
+        inside[:, arrays.HIGHER_FACE], inside[:, arrays.HIGHER_ROW] = grid.higher
+        made[: grid.rows + 1, arrays.GROWN] = np.exp(grid.faces)
+        made[: grid.rows + 1, arrays.DECAYED] = np.exp(-grid.faces)
+        return made
+
+    def factors(self, slots: int) -> Array:
+        """Rows of `slot`, (FACTORS, slots, 8)."""
+        made = np.zeros((arrays.FACTORS, slots, 8))
+        plan = self.grid.plan
+        wave = np.abs(plan.wavenumber).astype(float)
+        shift = np.exp(1j * plan.wavenumber * np.pi / plan.points)
+        shift[plan.index == plan.points // 2] = 0.0
+        flow = made[:, : plan.slots]
+        flow[arrays.WAVE] = wave
+        flow[arrays.INVERSE_K] = np.where(wave == 0.0, 0.0, 1.0 / np.maximum(wave, 1.0))
+        flow[arrays.IS_ZERO] = wave == 0.0
+        flow[arrays.HALF], flow[arrays.HALF + 1] = shift.real, shift.imag
+        if self.modes.count:
+            contour = self.plans[1]
+            k, points = contour.wavenumber, contour.points
+            of_map = made[:, : contour.slots]
+            of_map[arrays.HILBERT + 1] = np.where(2 * np.abs(k) < points, -np.sign(k), 0.0) / points
+            of_map[arrays.SMOOTH] = (np.abs(k) < points // 3) / points
+        return made
+
+    def series(self) -> Array:
+        """Chebyshev series along the chord of the modes over the chord, and of their integrals in chords; room for
+        one more."""
+        chord, count = self.case.wing.chord, self.modes.count
+        pivot = self.case.wing.pivot
+        assert not pivot
+        degree = 16
+        while True:
+            x = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+            shape = self.modes.shape(0.5 * chord * (1.0 + x)) / chord
+            found = chebyshev.chebfit(x, shape.T, degree)
+            tail = np.abs(found[-degree // 8 :]).max()
+            if tail < ROUND_OFF * np.abs(found).max() or degree >= LONGEST_SERIES:
+                break
+            degree *= 2
+        integral = 0.5 * chebyshev.chebint(found, lbnd=-1)
+        made = np.zeros((2 * count + 1, degree + 2))
+        made[:count, :-1] = found.T
+        made[count : 2 * count] = integral.T
+        return made
+
+    def map_places(self) -> NDArray[np.int32]:
+        """Where wavenumbers 0, 1, ... stand in a spectrum of the contour, counted from one; negative if -k stands
+        there."""
+        wave = self.plans[1].wavenumber
+        made = np.zeros(self.grid.points // 2 + 1, np.int32)
+        for (slot, lane), k in np.ndenumerate(wave):
+            if abs(k) < len(made) and not made[abs(k)]:
+                made[abs(k)] = (8 * slot + lane + 1) * (1 if k >= 0 else -1)
+        return made
+
+    def contour(self) -> Array:
+        """Lines of the straight section's contour, (CONTOUR_LINES, points of the map): s = phi."""
+        phi = 2.0 * np.pi * np.arange(self.plans[1].points) / self.plans[1].points
+        made = np.zeros((mapping.CONTOUR_LINES, len(phi)))
+        for line in (mapping.NOW, mapping.EARLIER, mapping.CIRCLE):
+            made[line], made[line + 1] = np.cos(phi), np.sin(phi)
+        return made
+
+    def decay(self) -> Array:
+        """e^(-k drho), (rows + SPARE, slots, 8)."""
+        grid = self.grid
+        drho = np.append(grid.drho, np.ones(SPARE))
+        return np.exp(-np.abs(grid.plan.wavenumber) * drho[:, None, None])
+
+    def equations(self) -> Array:
+        """Row of `equation`: the places of each wavenumber's parts in a spectrum; behind them the wavenumbers."""
+        index, points = self.grid.plan.index, self.grid.points
+        made = np.zeros((2, points), np.int32)
+        c = 2
+        seen = {0, points // 2}
+        for (slot, lane), k in np.ndenumerate(index):
+            if min(k, points - k) not in seen:
+                seen.add(min(k, points - k))
+                made[0, c], made[0, c + 1] = 16 * slot + lane, 16 * slot + 8 + lane
+                made[1, c : c + 2] = k
+                c += 2
+        assert c == points
+        return made.reshape(-1)
+
+    def lines(self) -> Array:
+        """Lines of the straight section at its start, (LINES + MODAL_LINES modes, points)."""
+        grid = self.grid
+        wall = positions(grid.coefficients, np.zeros(1), grid.centres)[0]
+        slope = slopes(grid.coefficients, grid.centres)
+        made = np.zeros((LINES + MODAL_LINES * self.modes.count, grid.points))
+        made[arrays.WALL_Y], made[arrays.WALL_Z] = wall.real, wall.imag
+        made[arrays.SLOPE_Y], made[arrays.SLOPE_Z] = slope.real, slope.imag
+        made[arrays.CORNER_COS], made[arrays.CORNER_SIN] = np.cos(grid.corners), np.sin(grid.corners)
+        made[arrays.CENTRE_COS], made[arrays.CENTRE_SIN] = np.cos(grid.centres), np.sin(grid.centres)
+        _, gain = self._start()
+        made[arrays.STEP] = self._flux(wall, slope, *gain)
+        series = self.series() if self.modes.count else np.zeros((0, 1))
+        x = np.clip(2.0 * (wall.real + self.case.wing.pivot) - 1.0, -1.0, 1.0)
+        for k in range(self.modes.count):
+            shape, integral = (chebyshev.chebval(x, series[row]) for row in (k, self.modes.count + k))
+            made[LINES + MODAL_LINES * k + arrays.SHAPE] = shape
+            made[LINES + MODAL_LINES * k + arrays.INTEGRAL] = integral
+            made[LINES + MODAL_LINES * k + arrays.RESPONSE] = sheet(shape * slope.real, -integral)
+        return made
+
+    def _start(self) -> tuple[tuple[complex, float], tuple[complex, float]]:
+        """Velocity of the pivot in the wing's axes, relative to the stream, and pitch rate at the start;
+        accelerations."""
+        moved = sampling.sample(self.case.motion, np.zeros(1))[0]
+        turned = np.exp(-1j * moved[PITCH]) / self.case.wing.chord
+        stream_y, stream_z = self.case.fluid.velocity
+        velocity = complex(moved[SURGE_RATE] - stream_y, moved[PLUNGE_RATE] - stream_z) * turned
+        gain = complex(moved[SURGE_ACCEL], moved[PLUNGE_ACCEL]) * turned
+        return (velocity, float(moved[PITCH_RATE])), (gain, float(moved[PITCH_ACCEL]))
+
+    def _flux(self, wall: Any, slope: Any, velocity: complex, rate: float, depth: float = 0.0) -> Array:
+        """Vortex sheet over dphi on a wall that has come into motion; `depth`: of the row that it is spread over."""
+        tangent = ((velocity + 1j * rate * wall) * slope.conj()).imag
+        stream = velocity.real * wall.imag - velocity.imag * wall.real - 0.5 * rate * np.abs(wall) ** 2
+        return sheet(tangent, stream, depth)
+
+    def vorticity(self) -> Array:
+        """Vorticity of the first row after an impulsive start: the vortex sheet, spread over the row."""
+        grid = self.grid
+        wall = positions(grid.coefficients, np.zeros(1), grid.centres)[0]
+        moving, _ = self._start()
+        spread = self._flux(wall, slopes(grid.coefficients, grid.centres), *moving, grid.drho[0])
+        return spread / grid.drho[0] / grid.area[0]
+
+
+def map_points(thickness: float) -> int:
+    """Points of the map of a bending section."""
+    return next(points for least, points in MAP_POINTS if thickness >= least)
+
+
+def sheet(tangent: Array, stream: Array, depth: float = 0.0) -> Array:
+    """Vortex sheet over dphi for which a wall's Im(V conj G) and streamfunction ask.
+
+    Args:
+        depth: thickness in rho of the row over which it is spread; 0 on the wall itself.
+    """
+    k = np.arange(len(tangent) // 2 + 1)
+    asked = k * np.fft.rfft(stream) - np.fft.rfft(tangent)
+    asked[-1] = 0.0
+    if depth:
+        asked[1:] *= k[1:] * depth / -np.expm1(-k[1:] * depth)
+    return np.fft.irfft(asked, len(tangent))
+
+
+def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:  # noqa: PLR0915 - one loop nest
+    """Arrays of a batch at its start."""
+    given = [Given.of(case, modes) for case, modes in zip(cases, sections, strict=True)]
+    count = len(given)
+    most = max(one.modes.count for one in given)
+    deep = max(one.grid.rows for one in given) + SPARE
+    wide = max(one.grid.points for one in given)
+    octets = wide // 8
+    slots = max(plan.slots for one in given for plan in one.plans)
+    flow_slots = max(one.grid.plan.slots for one in given)
+    longest = max(plan.octets for one in given for plan in one.plans)
+    twiddled = max(8 * plan.groups + plan.tail for one in given for plan in one.plans)
+    bends = most > 0
+    size = np.array([one.sizes() for one in given], np.int32)
+    number = np.zeros((count, arrays.NUMBERS))
+    row = np.zeros((count, deep, arrays.COLUMNS))
+    row[:, :, arrays.THICKNESS] = 1.0
+    plan = np.zeros((count, 2, PLAN), np.int32)
+    root = np.zeros((count, 2, longest, 2))
+    twiddle = np.zeros((count, 2, twiddled, 2, 8))
+    slot = np.zeros((count, arrays.FACTORS, slots, 8))
+    decay = np.zeros((count, deep, flow_slots, 8))
+    terms = wide // 2 + 1 if bends else 3
+    equation = np.zeros((count, 2 * wide + wide // 2 + 1), np.int32)
+    across = max([2 * one.plans[1].slots for one in given if one.modes.count] + [longest, 1]) if bends else 1
+    contour = np.zeros((count, mapping.CONTOUR_LINES if bends else 1, 8 * across))
+    series = np.zeros((count, 2 * most + 1, int(size[:, arrays.SERIES].max()) + 1))
+    coefficient = np.zeros((count, terms, 2))
+    area, vorticity = np.zeros((count, deep, wide)), np.zeros((count, deep, wide))
+    corner = np.zeros((2, count, deep, wide))
+    line = np.zeros((count, LINES + MODAL_LINES * most, wide))
+    for b, one in enumerate(given):
+        points, rows = one.grid.points, one.grid.rows
+        number[b, : arrays.RUBBED_Y] = one.numbers()
+        row[b, : rows + SPARE] = one.rows()
+        for p, transform in enumerate(one.plans):
+            plan[b, p] = transform.entries
+            root[b, p, : transform.octets] = transform.roots
+            twiddle[b, p, : len(transform.twiddles)] = transform.twiddles
+        slot[b] = one.factors(slots)
+        decay[b, : rows + SPARE, : one.grid.plan.slots] = one.decay()
+        equation[b, : 2 * points] = one.equations()
+        if one.modes.count:
+            places, of_modes, around = one.map_places(), one.series(), one.contour()
+            equation[b, 2 * points : 2 * points + len(places)] = places
+            series[b, : len(of_modes), : of_modes.shape[1]] = of_modes
+            contour[b, :, : around.shape[1]] = around
+        area[b, :rows, :points] = one.grid.area
+        corner[0, b, : rows + 1, :points] = one.grid.corner.real
+        corner[1, b, : rows + 1, :points] = one.grid.corner.imag
+        vorticity[b, 0, :points] = one.vorticity()
+        coefficient[b, :3, 0] = one.grid.coefficients.real
+        lines = one.lines()
+        line[b, : len(lines), :points] = lines
+
+    def rows_of(length: int = octets, depth: int = deep) -> Any:
+        return zeros(Octet, count, depth, length)
+
+    def bending() -> Any:
+        return rows_of() if bends else rows_of(1, 1)
+
+    felt = int(size[:, arrays.FELT].max())
+    spectra = deep + arrays.WALL_SPECTRA + 2 * (most + 1) + 1
+    return Arrays(
+        size=array(size),
+        number=array(number),
+        row=array(row),
+        plan=array(plan),
+        root=array(root),
+        twiddle=octets_of(twiddle),
+        slot=octets_of(slot),
+        decay=octets_of(decay),
+        equation=array(equation),
+        vorticity=octet_array(vorticity),
+        change=rows_of(),
+        content=octet_array(area * vorticity) if bends else bending(),
+        area=octet_array(area),
+        convection=rows_of(),
+        flux_rho=rows_of(),
+        flux_phi=rows_of(),
+        ahead_rho=rows_of(),
+        ahead_phi=rows_of(),
+        factor_rho=rows_of(),
+        corner_y=octet_array(corner[0]),
+        corner_z=octet_array(corner[1]),
+        moved_y=bending(),
+        moved_z=bending(),
+        rate_y=bending(),
+        rate_z=bending(),
+        line=octet_array(line),
+        strip=rows_of(wide, 4),
+        spectra=rows_of(2 * flow_slots, spectra),
+        work=rows_of(2 * longest, 2),
+        response=rows_of(octets, felt),
+        felt=rows_of(octets, felt),
+        influence=rows_of(2 * octets, wide),
+        pivots=zeros(Octet, count, wide),
+        contour=octet_array(contour),
+        coefficient=array(coefficient),
+        series=array(series),
+    )
+
+
+def octets_of(values: Array) -> Any:
+    """A Taichi array of octets whose lanes are the last axis."""
+    return octet_array(values.reshape(*values.shape[:-2], -1))

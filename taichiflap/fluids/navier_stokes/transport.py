@@ -1,0 +1,322 @@
+"""Convection and diffusion of vorticity: one implicit step by alternating directions.
+
+    d(J w)/dt + d_rho(w Q_rho) + d_phi(w Q_phi) = nu (w_rhorho + w_phiphi)
+
+in delta form, `w^{n+1} = w^n + x`, with BDF2 in time. Q are the fluxes of the fluid through the cells' faces,
+relative to the faces. In all but the outermost rows convection is implicit with extrapolated fluxes. The increments
+feel central differences of second order; being skew-symmetric these leave the pivots J + diffusion alone, so that
+they never vanish. The known vorticity feels differences of third order, upwind, away from the wall and as far as the
+Courant number allows: what they add to the second fades where the fluid crosses about a cell in a step. In the
+outermost rows convection is explicit, upwind of fifth order.
+"""
+
+from ...kernels.runtime import Octet, View, ti
+from .arrays import (
+    CARRY,
+    DPHI,
+    FLUX,
+    HIGHER_FACE,
+    HIGHER_ROW,
+    INVERSE,
+    LOWER,
+    LOWER_FACE,
+    NEAR,
+    NU,
+    OCTETS,
+    ROWS,
+    SHARE_FACE,
+    SHARE_ROW,
+    SHARE_UPPER,
+    THICKNESS,
+    UPPER_FACE,
+)
+from .fourier import transpose
+
+DISSIPATION = 0.1
+"""Cap of the coefficient of what is added to second order, a share of the cell over the step."""
+
+
+@ti.func
+def size(q):
+    """Absolute value of an octet."""
+    return ti.max(q, Octet(0.0) - q)
+
+
+@ti.func
+def after(c, n, s: ti.template()):
+    """The octet `s` elements further, `n` being the next."""
+    return Octet([c[(at + s) % 8] if ti.static(at + s < 8) else n[(at + s) % 8] for at in ti.static(range(8))])
+
+
+@ti.func
+def before(p, c, s: ti.template()):
+    """The octet `s` elements back, `p` being the one before."""
+    return Octet([c[(at - s) % 8] if ti.static(at - s >= 0) else p[(at - s) % 8] for at in ti.static(range(8))])
+
+
+@ti.func
+def upwind_phi(flow: View, b, j, m, octets):
+    """Explicit flux of vorticity through the far faces of an octet of cells."""
+    w = ti.static(flow.vorticity)
+    p = w[b, j, (m + octets - 1) % octets]
+    c = w[b, j, m]
+    n = w[b, j, (m + 1) % octets]
+    w1, w2, w3, v1, v2 = after(c, n, 1), after(c, n, 2), after(c, n, 3), before(p, c, 1), before(p, c, 2)
+    q = flow.flux_phi[b, j, m]
+    central = 37.0 * (c + w1) - 8.0 * (v1 + w2) + (v2 + w3)
+    fifth = (w3 - v2) - 5.0 * (w2 - v1) + 10.0 * (w1 - c)
+    return (q * central - size(q) * fifth) * (1.0 / 60.0)
+
+
+@ti.func
+def third_order(q, most):
+    """What turns second order into third: the share of a flux for the central part, and for the third difference.
+
+    The one fades and the other is cut off where `most`, a share of the cell over the step, is reached.
+    """
+    part = size(q) * (1.0 / 12.0)
+    return q * (1.0 / 12.0) * ti.max(1.0 - part / most, 0.0), ti.min(part, most)
+
+
+@ti.func
+def central_phi(flow: View, b, j, m, octets, cap):
+    """Implicit scheme's flux of the known vorticity through the far faces."""
+    w = ti.static(flow.vorticity)
+    p = w[b, j, (m + octets - 1) % octets]
+    c = w[b, j, m]
+    n = w[b, j, (m + 1) % octets]
+    w1, w2, v1 = after(c, n, 1), after(c, n, 2), before(p, c, 1)
+    q = flow.ahead_phi[b, j, m]
+    more, damping = third_order(q, cap * flow.area[b, j, m])
+    more = flow.row[b, j, HIGHER_ROW] * more
+    return 0.5 * q * (c + w1) + more * ((c + w1) - (v1 + w2)) + damping * ((w2 - v1) - 3.0 * (w1 - c))
+
+
+@ti.func
+def upwind_rho(flow: View, b, j, m, rows):
+    """Explicit flux through face `j`, between rows j - 1 and j."""
+    w = ti.static(flow.vorticity)
+    f = Octet(0.0)
+    if j > 0:
+        q = flow.flux_rho[b, j, m]
+        a = w[b, j - 1, m]
+        if j == rows:
+            f = ti.max(q, 0.0) * a
+        elif j == 1 or j == rows - 1:
+            f = 0.5 * q * (a + w[b, j, m])
+        elif j == 2 or j == rows - 2:
+            c, a2, c2 = w[b, j, m], w[b, j - 2, m], w[b, j + 1, m]
+            f = (q * (7.0 * (a + c) - (a2 + c2)) + size(q) * ((c2 - a2) - 3.0 * (c - a))) * (1.0 / 12.0)
+        else:
+            c, a2, c2, a3, c3 = w[b, j, m], w[b, j - 2, m], w[b, j + 1, m], w[b, j - 3, m], w[b, j + 2, m]
+            central = 37.0 * (a + c) - 8.0 * (a2 + c2) + (a3 + c3)
+            f = (q * central - size(q) * ((c3 - a3) - 5.0 * (c2 - a2) + 10.0 * (c - a))) * (1.0 / 60.0)
+    return f
+
+
+@ti.func
+def central_rho(flow: View, b, j, m, cap):
+    """Implicit scheme's flux of the known vorticity through face `j`, between rows j - 1 and j."""
+    w = ti.static(flow.vorticity)
+    q, a, c = flow.ahead_rho[b, j, m], w[b, j - 1, m], w[b, j, m]
+    f = 0.5 * q * (c + a)
+    if j > 1:
+        n, z = w[b, j + 1, m], w[b, j - 2, m]
+        more, damping = third_order(q, cap * flow.area[b, j - 1, m])
+        more = flow.row[b, j, HIGHER_FACE] * more
+        f = f + more * ((c + a) - (z + n)) + damping * ((n - z) - 3.0 * (c - a))
+    return f
+
+
+@ti.func
+def assemble(flow: View, b, n, beta, bends):  # noqa: PLR0915 - one loop nest
+    """Right-hand side of the step, in `change`."""
+    rows, octets, near = flow.size[b, ROWS], flow.size[b, OCTETS], flow.size[b, NEAR]
+    spread = flow.number[b, NU] * beta
+    dphi = flow.number[b, DPHI]
+    around = spread / (dphi * dphi)
+    # BDF2 of J w, and second-order extrapolation of explicit convection; first order at the first step.
+    kept, now, then = 1.0 / 3.0, 2.0, -1.0
+    if n == 1:
+        kept, now, then = 0.0, 1.0, 0.0
+    for m in range(octets):
+        flow.line[b, LOWER, m] = Octet(0.0)
+        flow.line[b, LOWER + 1, m] = Octet(0.0)
+    for j in range(rows):
+        thickness, inverse = flow.row[b, j, THICKNESS], flow.row[b, j, INVERSE]
+        upper, lower = spread * flow.row[b, j, UPPER_FACE], spread * flow.row[b, j, LOWER_FACE]
+        share, share_up = flow.row[b, j, SHARE_ROW], flow.row[b, j, SHARE_UPPER]
+        cap = DISSIPATION * thickness * dphi / beta
+        ju, jl = ti.min(j + 1, rows - 1), ti.max(j - 1, 0)
+        outer = 1.0
+        if j == rows - 1:
+            outer = 0.0
+        explicit, implicit = share < 1.0, j < near
+        last_far, last_near = Octet(0.0), Octet(0.0)
+        if explicit:
+            last_far = (1.0 - share) * upwind_phi(flow, b, j, octets - 1, octets)
+        if implicit:
+            last_near = share * central_phi(flow, b, j, octets - 1, octets, cap)
+        for m in range(octets):
+            c = flow.vorticity[b, j, m]
+            left = before(flow.vorticity[b, j, (m + octets - 1) % octets], c, 1)
+            right = after(c, flow.vorticity[b, j, (m + 1) % octets], 1)
+            x = kept * flow.change[b, j, m] + around * (left + right - 2.0 * c)
+            x = x + upper * (outer * flow.vorticity[b, ju, m] - c) - lower * (c - flow.vorticity[b, jl, m])
+            if bends:
+                x = x + (flow.content[b, j, m] - flow.area[b, j, m] * c)
+            carried = flow.line[b, LOWER, m]
+            if explicit:
+                f = (1.0 - share) * upwind_phi(flow, b, j, m, octets)
+                carried = carried + before(last_far, f, 1) - f
+                last_far = f
+            if share_up < 1.0:
+                f = (1.0 - share_up) * upwind_rho(flow, b, j + 1, m, rows)
+                carried = carried - f
+                flow.line[b, LOWER, m] = f
+            carried = carried * inverse
+            if explicit or share_up < 1.0:
+                x = x + beta * (now * carried + then * flow.convection[b, j, m])
+                flow.convection[b, j, m] = carried
+            if implicit:
+                f = share * central_phi(flow, b, j, m, octets, cap)
+                carried = before(last_near, f, 1) - f + flow.line[b, LOWER + 1, m]
+                last_near = f
+                if j + 1 < near:
+                    # The row above has its own cap.
+                    cap_up = DISSIPATION * flow.row[b, j + 1, THICKNESS] * dphi / beta
+                    f = share_up * central_rho(flow, b, j + 1, m, cap_up)
+                    carried = carried - f
+                    flow.line[b, LOWER + 1, m] = f
+                x = x + (beta * inverse) * carried
+            if j == 0:
+                x = x + (beta / thickness) * flow.line[b, FLUX, m]
+            flow.change[b, j, m] = x
+
+
+@ti.func
+def gather(a: View, strip: View, b, k: ti.template(), j, octets):
+    """Eight rows, transposed: element i of each in one octet of strip `k`."""
+    for m in range(octets):
+        x = transpose([a[b, j + r, m] for r in ti.static(range(8))])
+        for at in ti.static(range(8)):
+            strip[b, k, 8 * m + at] = x[at]
+
+
+@ti.func
+def solve_phi(flow: View, b, beta):  # noqa: PLR0915 - one loop nest
+    """The factor along phi, (J - nu beta d_phiphi + convection) x = d, in the near rows; leaves J x.
+
+    Cyclic tridiagonal systems of eight rows at a time, by elimination with Sherman and Morrison's correction.
+    """
+    octets, near = flow.size[b, OCTETS], flow.size[b, NEAR]
+    count = 8 * octets
+    dphi = flow.number[b, DPHI]
+    around = flow.number[b, NU] * beta / (dphi * dphi)
+    strip = ti.static(flow.strip)
+    for group in range((near + 7) // 8):
+        j = 8 * group
+        gather(flow.change, strip, b, 0, j, octets)
+        gather(flow.area, strip, b, 1, j, octets)
+        gather(flow.ahead_phi, strip, b, 2, j, octets)
+        h = Octet(
+            [
+                flow.row[b, j + r, SHARE_ROW] * (0.5 * beta / dphi) / flow.row[b, j + r, THICKNESS]
+                for r in ti.static(range(8))
+            ]
+        )
+        last_q = strip[b, 2, count - 1]
+        q = strip[b, 2, 0]
+        corner = Octet(0.0) - (around + h * last_q)
+        pivot = strip[b, 1, 0] + 2.0 * around
+        gamma = Octet(0.0) - pivot
+        x = Octet(1.0) / (pivot - gamma)
+        c = (around - h * q) * x
+        z = gamma * x
+        v = strip[b, 0, 0] * x
+        strip[b, 0, 0] = v
+        strip[b, 2, 0] = c
+        strip[b, 3, 0] = z
+        for i in range(1, count - 1):
+            next_q = strip[b, 2, i]
+            lower = around + h * q
+            x = Octet(1.0) / (strip[b, 1, i] + 2.0 * around - lower * c)
+            c = (around - h * next_q) * x
+            v = (strip[b, 0, i] + lower * v) * x
+            z = lower * z * x
+            strip[b, 0, i] = v
+            strip[b, 2, i] = c
+            strip[b, 3, i] = z
+            q = next_q
+        lower, upper = around + h * q, around - h * last_q
+        ratio = corner / gamma
+        x = Octet(1.0) / (strip[b, 1, count - 1] + 2.0 * around + upper * ratio - lower * c)
+        v = (strip[b, 0, count - 1] + lower * v) * x
+        z = (lower * z - upper) * x
+        strip[b, 0, count - 1] = v
+        strip[b, 3, count - 1] = z
+        last_v = v
+        last_z = z
+        for back in range(count - 1):
+            i = count - 2 - back
+            c = strip[b, 2, i]
+            v = strip[b, 0, i] + c * v
+            z = strip[b, 3, i] + c * z
+            strip[b, 0, i] = v
+            strip[b, 3, i] = z
+        share = (v + ratio * last_v) / (1.0 + z + ratio * last_z)
+        for m in range(octets):
+            y = transpose(
+                [
+                    (strip[b, 0, 8 * m + at] - share * strip[b, 3, 8 * m + at]) * strip[b, 1, 8 * m + at]
+                    for at in ti.static(range(8))
+                ]
+            )
+            for r in ti.static(range(8)):
+                if j + r < near:
+                    flow.change[b, j + r, m] = y[r]
+
+
+@ti.func
+def eliminate_rho(flow: View, b, beta):
+    """Elimination of the factor along rho, from the wall outwards; `substitute` goes back."""
+    rows, octets, near = flow.size[b, ROWS], flow.size[b, OCTETS], flow.size[b, NEAR]
+    spread = flow.number[b, NU] * beta
+    half = 0.5 * beta / flow.number[b, DPHI]
+    for m in range(octets):
+        flow.factor_rho[b, 0, m] = Octet(0.0)
+    for j in range(rows):
+        upper, lower = spread * flow.row[b, j, UPPER_FACE], spread * flow.row[b, j, LOWER_FACE]
+        jl = ti.max(j - 1, 0)
+        above, below = 0.0, 0.0
+        if j < near:
+            above = half / flow.row[b, j, THICKNESS] * flow.row[b, j, SHARE_UPPER]
+        if j > 0 and j < near:
+            below = half / flow.row[b, j, THICKNESS] * flow.row[b, j, SHARE_FACE]
+        for m in range(octets):
+            u = Octet(upper)
+            low = Octet(lower)
+            if j < near:
+                u = u - above * flow.ahead_rho[b, j + 1, m]
+                low = low + below * flow.ahead_rho[b, j, m]
+            x = Octet(1.0) / (flow.area[b, j, m] + (upper + lower) - low * flow.factor_rho[b, jl, m])
+            flow.factor_rho[b, j, m] = u * x
+            flow.change[b, j, m] = (flow.change[b, j, m] + low * flow.change[b, jl, m]) * x
+
+
+@ti.func
+def substitute(flow: View, b, j, out, scale, bends):
+    """Vorticity of row `j` at the end of the step, and its content J w times `scale` in a line; from the outer row
+    in."""
+    for m in range(flow.size[b, OCTETS]):
+        x = flow.change[b, j, m] + flow.factor_rho[b, j, m] * flow.line[b, CARRY, m]
+        flow.line[b, CARRY, m] = x
+        w = flow.vorticity[b, j, m] + x
+        flow.vorticity[b, j, m] = w
+        content = flow.area[b, j, m] * w
+        if bends:
+            flow.change[b, j, m] = content - flow.content[b, j, m]
+            flow.content[b, j, m] = content
+        else:
+            flow.change[b, j, m] = flow.area[b, j, m] * x
+        flow.line[b, out, m] = content * scale

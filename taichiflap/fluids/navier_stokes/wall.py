@@ -1,0 +1,400 @@
+"""The wall: its motion, the flux of vorticity that keeps the fluid from slipping on it, and the loads.
+
+The flux of circulation `g` (over dphi and time) that the wall feeds into the first row is found implicitly: the factor
+along rho answers a change dg column by column with `w += response dg`, the slip is then linear in dg, and the influence
+matrix of it is inverted once for a rigid section, and now and then for a bending one. The mean of g follows from a
+pressure of one value: mean(g) = -mean(Im(a conj G)).
+
+Everything is linear in the modal rates and accelerations: dg, pressure and friction have a part for the motion that is
+known and one for each mode, so that load and response of the modes come from sums over the wall.
+"""
+
+from ...kernels import linear
+from ...kernels.runtime import Octet, View, ti
+from ...march.state import ACCEL, AXIAL, BETA, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
+from ...motion.sampling import (
+    PITCH_ACCEL,
+    PITCH_RATE,
+    PLUNGE_ACCEL,
+    PLUNGE_RATE,
+    SURGE_ACCEL,
+    SURGE_RATE,
+)
+from .arrays import (
+    ACCELERATION,
+    BASE,
+    CORNER_COS,
+    CORNER_SIN,
+    DPHI,
+    EQUATION,
+    FELT,
+    FLUX,
+    FRICTION,
+    GRADIENT,
+    INTEGRAL,
+    INVERSE_K,
+    IS_ZERO,
+    LENGTH,
+    LINES,
+    LOAD,
+    LOWER_FACE,
+    MODAL,
+    MODAL_LINES,
+    MODAL_STREAM,
+    MOMENT_LOAD,
+    NU,
+    OCTETS,
+    OF_MEAN,
+    RESPONSE,
+    RUBBED_Y,
+    RUBBED_Z,
+    SCALE,
+    SHAPE,
+    SLOPE_Y,
+    SLOPE_Z,
+    STEP,
+    STREAM_Y,
+    STREAM_Z,
+    STREAMS,
+    TANGENT,
+    THICKNESS,
+    UPPER_FACE,
+    WALL_SPECTRA,
+    WALL_STREAM,
+    WALL_Y,
+    WALL_Z,
+    WAVE,
+)
+from .fourier import SLOTS, transpose
+
+
+@ti.func
+def total(x):
+    """Sum of the lanes."""
+    return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]))
+
+
+@ti.func
+def pivot(body: View, flow: View, b, n):
+    """Velocity of the pivot relative to the stream, and its acceleration, along e_y and e_z, in chords."""
+    cosine, sine = body.motion[b, n, COSINE], body.motion[b, n, SINE]
+    unit = 1.0 / flow.number[b, LENGTH]
+    along_y = (body.motion[b, n, SURGE_RATE] - flow.number[b, STREAM_Y]) * unit
+    along_z = (body.motion[b, n, PLUNGE_RATE] - flow.number[b, STREAM_Z]) * unit
+    gain_y, gain_z = body.motion[b, n, SURGE_ACCEL] * unit, body.motion[b, n, PLUNGE_ACCEL] * unit
+    return (
+        along_z * sine + along_y * cosine,
+        along_z * cosine - along_y * sine,
+        gain_z * sine + gain_y * cosine,
+        gain_z * cosine - gain_y * sine,
+    )
+
+
+@ti.func
+def move_wall(body: View, flow: View, b, n):
+    """Tangential velocity, streamfunction and acceleration of the wall without the modes' own, and those of each
+    mode."""
+    v_y, v_z, a_y, a_z = pivot(body, flow, b, n)
+    rate, gain = body.motion[b, n, PITCH_RATE], body.motion[b, n, PITCH_ACCEL]
+    scale = flow.number[b, SCALE]
+    for m in range(flow.size[b, OCTETS]):
+        y, z = flow.line[b, WALL_Y, m], flow.line[b, WALL_Z, m]
+        g_y, g_z = flow.line[b, SLOPE_Y, m], flow.line[b, SLOPE_Z, m]
+        bending = Octet(0.0)
+        for k in range(body.modes[b]):
+            line = LINES + MODAL_LINES * k
+            shape = flow.line[b, line + SHAPE, m]
+            bending = bending + body.q_guess[b, RATE, k] * shape
+            flow.line[b, line + MODAL, m] = shape * g_y * scale
+            flow.line[b, line + MODAL_STREAM, m] = flow.line[b, line + INTEGRAL, m] * (0.0 - scale)
+        flow.line[b, TANGENT, m] = ((v_z + rate * y) * g_y - (v_y - rate * z) * g_z) * scale
+        flow.line[b, WALL_STREAM, m] = (v_y * z - v_z * y - (0.5 * rate) * (y * y + z * z)) * scale
+        # Coriolis' acceleration of the bending points along the chord.
+        along = a_y - gain * z - (rate * rate) * y - (2.0 * rate) * bending
+        across = a_z + gain * y - (rate * rate) * z
+        flow.line[b, ACCELERATION, m] = across * g_y - along * g_z
+
+
+@ti.func
+def respond(flow: View, b, beta):
+    """Vorticity in the near rows by the wall's flux: `grid.wall_response`, for the cells as they are."""
+    felt, octets = flow.size[b, FELT], flow.size[b, OCTETS]
+    spread = flow.number[b, NU] * beta
+    source = beta / flow.row[b, 0, THICKNESS]
+    for j in range(felt):
+        upper, lower = spread * flow.row[b, j, UPPER_FACE], spread * flow.row[b, j, LOWER_FACE]
+        if j == felt - 1:
+            upper = 0.0
+        jl = ti.max(j - 1, 0)
+        for m in range(octets):
+            factor, known = Octet(0.0), Octet(source)
+            if j > 0:
+                factor = flow.felt[b, jl, m]
+                known = lower * flow.response[b, jl, m]
+            x = Octet(1.0) / (flow.area[b, j, m] + (upper + lower) - lower * factor)
+            flow.felt[b, j, m] = upper * x
+            flow.response[b, j, m] = known * x
+    for back in range(felt - 1):
+        j = felt - 2 - back
+        for m in range(octets):
+            flow.response[b, j, m] = flow.response[b, j, m] + flow.felt[b, j, m] * flow.response[b, j + 1, m]
+
+
+@ti.func
+def lane(a: View, b, line, i):
+    """Element `i` of a line."""
+    whole = a[b, line, i // 8]
+    return whole[i % 8]
+
+
+@ti.func
+def turn(flow: View, b, i, points):
+    """Cosine and sine of 2 pi i / points."""
+    corner = (i + points - 1) % points
+    return lane(flow.line, b, CORNER_COS, corner), lane(flow.line, b, CORNER_SIN, corner)
+
+
+@ti.func
+def invert_influence(flow: View, b):
+    """Influence matrix of the slip by the wall's flux, and its inverse: its rows behind those of the matrix."""
+    octets = flow.size[b, OCTETS]
+    points = 8 * octets
+    scale = flow.number[b, SCALE]
+    matrix = ti.static(flow.influence)
+    for m in range(octets):
+        for c in range(points):
+            matrix[b, c, m] = Octet(0.0)
+            matrix[b, c, octets + m] = Octet(0.0)
+        matrix[b, 0, m] = Octet(scale)
+        matrix[b, 1, m] = scale * Octet([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    for c in range(points):
+        matrix[b, c, octets + c // 8][c % 8] = 1.0
+    for half in range(1, points // 2):
+        c = 2 * half
+        place = flow.equation[b, c]
+        s, lane_ = place // 16, place % 8
+        over = flow.slot[b, INVERSE_K, s]
+        depth = 1.0
+        for j in range(flow.size[b, FELT]):
+            decay = flow.decay[b, j, s]
+            weight = depth * (1.0 - decay[lane_]) * over[lane_]
+            depth *= decay[lane_]
+            for m in range(octets):
+                matrix[b, c, m] = matrix[b, c, m] + weight * (flow.response[b, j, m] * flow.area[b, j, m])
+        wave = flow.equation[b, points + c]
+        cosine = Octet(0.0)
+        sine = Octet(0.0)
+        for at in ti.static(range(8)):
+            x, y = turn(flow, b, wave * at % points, points)
+            cosine[at] = x
+            sine[at] = y
+        step_c, step_s = turn(flow, b, wave * 8 % points, points)
+        for m in range(octets):
+            v = matrix[b, c, m] * scale
+            matrix[b, c, m] = v * cosine
+            matrix[b, c + 1, m] = (0.0 - v) * sine
+            turned = cosine * step_c - sine * step_s
+            sine = sine * step_c + cosine * step_s
+            cosine = turned
+    for panel in range(octets):
+        linear.factorise(matrix, flow.pivots, b, points, panel, 2 * octets)
+        for j in range(panel + 1, 2 * octets):
+            linear.eliminate(matrix, flow.pivots, b, points, panel, j)
+    for j in range(octets, 2 * octets):
+        for m in range(octets):
+            linear.substitute(matrix, b, points, octets - 1 - m, j)
+
+
+@ti.func
+def oppose_slip(flow: View, b, defect, mean, out):
+    """Change of the wall's flux, in line `out`, that takes away a defect of the slip, with a given mean."""
+    octets = flow.size[b, OCTETS]
+    points = 8 * octets
+    for c in range(points):
+        value = 0.0
+        if c == 0:
+            value = mean
+        elif c > 1:
+            place = flow.equation[b, c]
+            whole = flow.spectra[b, defect, place // 8]
+            value = whole[place % 8]
+        flow.line[b, EQUATION, c // 8][c % 8] = value
+    for group in range(octets):
+        sums = [Octet(0.0) for _ in ti.static(range(8))]
+        for m in range(octets):
+            known = flow.line[b, EQUATION, m]
+            for at in ti.static(range(8)):
+                sums[at] = sums[at] + flow.influence[b, 8 * group + at, octets + m] * known
+        t = transpose(sums)
+        flow.line[b, out, group] = ((t[0] + t[1]) + (t[2] + t[3])) + ((t[4] + t[5]) + (t[6] + t[7]))
+
+
+@ti.func
+def hold_wall(body: View, flow: View, b):
+    """Changes of the wall's flux that the motion asks for without the modes, and with the rate of each."""
+    base, octets = flow.size[b, BASE], flow.size[b, OCTETS]
+    walls = base + WALL_SPECTRA
+    defect = walls + 2 * body.modes[b] + 2
+    flow.spectra[b, walls + 1, 0] = flow.spectra[b, walls + 1, 0] * (1.0 - flow.slot[b, IS_ZERO, 0])
+    mean = Octet(0.0)
+    for m in range(octets):
+        mean = mean - (flow.line[b, ACCELERATION, m] + flow.line[b, FLUX, m])
+    for m in range(octets):
+        # The influence matrix's first equation is the mean.
+        for lane_ in ti.static(range(8)):
+            whole = flow.influence[b, 8 * m + lane_, octets]
+            flow.line[b, OF_MEAN, m][lane_] = whole[0]
+    for wall in range(body.modes[b] + 1):
+        out, asked = STEP, total(mean) * flow.number[b, SCALE]
+        if wall > 0:
+            out, asked = LINES + MODAL_LINES * (wall - 1) + RESPONSE, 0.0
+        for s in range(flow.plan[b, 0, SLOTS]):
+            wave = flow.slot[b, WAVE, s]
+            for part in ti.static(range(2)):
+                i = 2 * s + part
+                x = wave * flow.spectra[b, walls + 2 * wall + 1, i] - flow.spectra[b, walls + 2 * wall, i]
+                if wall == 0:
+                    x = x - flow.spectra[b, 0, i]
+                flow.spectra[b, defect, i] = x
+        oppose_slip(flow, b, defect, asked, out)
+
+
+@ti.func
+def mean_acceleration(flow: View, b, k):
+    """Mean of Im(a conj G) for a unit acceleration of mode `k`: the mean of g follows with the other sign."""
+    line = LINES + MODAL_LINES * k + MODAL
+    mean = Octet(0.0)
+    for m in range(flow.size[b, OCTETS]):
+        mean = mean + flow.line[b, line, m]
+    return total(mean)
+
+
+@ti.func
+def load_modes(body: View, flow: View, b, n, rule):
+    """Modal force without acceleration, and its response to the modal accelerations."""
+    modes = body.modes[b]
+    nu, dphi = flow.number[b, NU], flow.number[b, DPHI]
+    spin = 2.0 * body.motion[b, n, PITCH_RATE]
+    half = 0.5 * flow.row[b, 0, THICKNESS]
+    factor = flow.number[b, MOMENT_LOAD] * dphi
+    # At rest there is no friction, and the flux follows the acceleration itself.
+    shear, through = 1.0, rule[BETA]
+    if n == 0:
+        shear, through = 0.0, 1.0
+    for j in range(modes):
+        line = LINES + MODAL_LINES * j
+        load = Octet(0.0)
+        for m in range(flow.size[b, OCTETS]):
+            shape, integral = flow.line[b, line + SHAPE, m], flow.line[b, line + INTEGRAL, m]
+            step = flow.line[b, STEP, m]
+            g = flow.line[b, FLUX, m] + step
+            tau = nu * (flow.vorticity[b, 0, m] + flow.response[b, 0, m] * step - spin) + half * g
+            load = load + (g + flow.line[b, ACCELERATION, m]) * integral
+            load = load + shear * tau * shape * flow.line[b, SLOPE_Y, m]
+        body.load[b, j] = factor * total(load)
+        for k in range(modes):
+            by_rate, by_accel = Octet(0.0), Octet(0.0)
+            other = LINES + MODAL_LINES * k
+            turned = 0.0
+            if n > 0:
+                turned = mean_acceleration(flow, b, k)
+            for m in range(flow.size[b, OCTETS]):
+                shape, integral = flow.line[b, line + SHAPE, m], flow.line[b, line + INTEGRAL, m]
+                slope = flow.line[b, SLOPE_Y, m]
+                step = flow.line[b, other + RESPONSE, m]
+                tau = (nu * flow.response[b, 0, m] + half) * step
+                by_rate = by_rate + step * integral + shear * tau * shape * slope
+                by_accel = by_accel + flow.line[b, other + SHAPE, m] * slope * integral
+                step = turned * flow.line[b, OF_MEAN, m]
+                tau = (nu * flow.response[b, 0, m] + half) * step
+                by_accel = by_accel - step * integral - tau * shape * slope
+            moved = factor * total(by_rate)
+            body.response[b, j, k] = through * moved + factor * total(by_accel)
+            if n > 0:
+                body.load[b, j] = body.load[b, j] + moved * body.q_known[b, RATE, k]
+
+
+@ti.func
+def settle_wall(body: View, flow: View, b, n):
+    """With the modal rates known: the wall's flux, what it feeds into the near rows, and the streamfunction's start.
+
+    Returns:
+        The mean of Im(V conj G).
+    """
+    octets, modes = flow.size[b, OCTETS], body.modes[b]
+    turned = 0.0
+    if n > 0:
+        for k in range(modes):
+            turned += body.q[b, ACCEL, k] * mean_acceleration(flow, b, k)
+    for m in range(octets):
+        step, tangent = flow.line[b, STEP, m], flow.line[b, TANGENT, m]
+        for k in range(modes):
+            line = LINES + MODAL_LINES * k
+            moved = body.q[b, RATE, k]
+            tangent = tangent + moved * flow.line[b, line + MODAL, m]
+            if n == 0:
+                moved = body.q[b, ACCEL, k]
+            step = step + moved * flow.line[b, line + RESPONSE, m]
+            gain = body.q[b, ACCEL, k] * flow.line[b, line + SHAPE, m] * flow.line[b, SLOPE_Y, m]
+            flow.line[b, ACCELERATION, m] = flow.line[b, ACCELERATION, m] + gain
+        step = step - turned * flow.line[b, OF_MEAN, m]
+        flow.line[b, STEP, m] = step
+        flow.line[b, TANGENT, m] = tangent
+        flow.line[b, FLUX, m] = flow.line[b, FLUX, m] + step
+    mean = Octet(0.0)
+    for m in range(octets):
+        mean = mean + flow.line[b, TANGENT, m]
+    walls, streams = flow.size[b, BASE] + WALL_SPECTRA, flow.size[b, BASE] + STREAMS
+    for i in range(2 * flow.plan[b, 0, SLOTS]):
+        stream = flow.spectra[b, walls + 1, i]
+        for k in range(modes):
+            stream = stream + body.q[b, RATE, k] * flow.spectra[b, walls + 2 * k + 3, i]
+        flow.spectra[b, streams, i] = stream
+    flow.spectra[b, streams, 0] = flow.spectra[b, streams, 0] * (1.0 - flow.slot[b, IS_ZERO, 0])
+    return total(mean)
+
+
+@ti.func
+def feed_rows(flow: View, b, bends):
+    """Add what the change of the wall's flux has fed into the near rows."""
+    for j in range(flow.size[b, FELT]):
+        for m in range(flow.size[b, OCTETS]):
+            more = flow.response[b, j, m] * flow.line[b, STEP, m]
+            flow.vorticity[b, j, m] = flow.vorticity[b, j, m] + more
+            more = flow.area[b, j, m] * more
+            flow.change[b, j, m] = flow.change[b, j, m] + more
+            if bends:
+                flow.content[b, j, m] = flow.content[b, j, m] + more
+
+
+@ti.func
+def sum_forces(body: View, flow: View, b, n):
+    """Forces on the wall: pressure by parts from its gradient, and friction."""
+    nu = flow.number[b, NU]
+    spin = 2.0 * body.motion[b, n, PITCH_RATE]
+    half = 0.5 * flow.row[b, 0, THICKNESS]
+    if n == 0:
+        half = 0.0
+    pressed_y, pressed_z, rubbed_y, rubbed_z = Octet(0.0), Octet(0.0), Octet(0.0), Octet(0.0)
+    moment = Octet(0.0)
+    for m in range(flow.size[b, OCTETS]):
+        y, z = flow.line[b, WALL_Y, m], flow.line[b, WALL_Z, m]
+        g_y, g_z = flow.line[b, SLOPE_Y, m], flow.line[b, SLOPE_Z, m]
+        g = flow.line[b, FLUX, m]
+        rise = g + flow.line[b, ACCELERATION, m]
+        tau = nu * (flow.vorticity[b, 0, m] - spin) + half * g
+        flow.line[b, GRADIENT, m] = rise
+        flow.line[b, FRICTION, m] = tau
+        pressed_y = pressed_y - rise * z
+        pressed_z = pressed_z + rise * y
+        rubbed_y = rubbed_y - tau * g_z
+        rubbed_z = rubbed_z + tau * g_y
+        moment = moment + 0.5 * rise * (y * y + z * z) + tau * (y * g_y + z * g_z)
+    dphi = flow.number[b, DPHI]
+    force = flow.number[b, LOAD] * dphi
+    body.force[b, NORMAL] = force * (total(pressed_z) + total(rubbed_z))
+    body.force[b, AXIAL] = force * (total(pressed_y) + total(rubbed_y))
+    body.force[b, MOMENT] = flow.number[b, MOMENT_LOAD] * dphi * total(moment)
+    body.force[b, UNSTEADY] = 0.0
+    flow.number[b, RUBBED_Y] = force * total(rubbed_y)
+    flow.number[b, RUBBED_Z] = force * total(rubbed_z)

@@ -1,0 +1,299 @@
+"""The Navier-Stokes model: its steps against an oracle in NumPy, and what is known exactly of such a flow."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import hawkmoth
+from navier_stokes_oracle import Oracle
+
+import taichiflap
+from taichiflap import fluids
+from taichiflap.case.case import CaseError
+from taichiflap.fluids.navier_stokes import arrays, tables
+from taichiflap.fluids.navier_stokes.grid import positions
+from taichiflap.fluids.navier_stokes.settings import ResolutionError, settings
+from taichiflap.kernels.runtime import view
+from taichiflap.march import state
+from taichiflap.march.march import March
+from taichiflap.motion.sampling import (
+    PITCH,
+    PITCH_ACCEL,
+    PITCH_RATE,
+    PLUNGE_ACCEL,
+    PLUNGE_RATE,
+    SURGE_ACCEL,
+    SURGE_RATE,
+)
+
+NS = ("solver=navier_stokes", "fluid.viscosity=4e-4", "time.periods=1", "time.steps_per_period=400")
+COARSE = (*NS, "navier_stokes.cells=64", "navier_stokes.radius=4.0")
+
+
+def case(*more):
+    return hawkmoth(*COARSE, *more)
+
+
+def marching(*cases, threads=1):
+    return March(list(cases), fluids.load("navier_stokes"), threads)
+
+
+def rows_of(march, name, count, b=0):
+    """The first rows of an array of a flow, one number an angle."""
+    found = view(getattr(march.groups["flow"], name))[b, :count]
+    return found.reshape(len(found), -1)[:, : settings(march.cases[b]).cells]
+
+
+def moving(march, n):
+    """Velocity and acceleration of the pivot in the wing's axes, in chords, and those of the pitch angle."""
+    moved = march.motion[0][n]
+    turn = np.exp(-1j * moved[PITCH]) / march.cases[0].wing.chord
+    velocity = complex(moved[SURGE_RATE], moved[PLUNGE_RATE]) * turn
+    accel = complex(moved[SURGE_ACCEL], moved[PLUNGE_ACCEL]) * turn
+    return velocity, moved[PITCH_RATE], accel, moved[PITCH_ACCEL]
+
+
+@pytest.mark.parametrize("modes", [0, 2])
+def test_steps_are_those_of_the_oracle(modes):
+    """From an impulsive start on: vorticity, fluxes, wall flux, forces; load and response of the modes."""
+    march = marching(case(f"wing.modes={modes}", "motion.surge={amplitude=0.005,phase_deg=20}"))
+    chord, given = 0.02, tables.Given.of(march.cases[0], march.sections[0])
+    grid, points = given.grid, given.grid.points
+    march.advance(1)
+    velocity, rate, _, _ = moving(march, 0)
+    oracle = Oracle(grid, given.viscosity, march.cases[0].step, velocity, rate)
+    load = march.cases[0].fluid.density * chord**3 * 0.05
+    body = march.body
+    for n in range(1, 6):
+        march.advance(1)
+        lines = rows_of(march, "line", arrays.LINES + arrays.MODAL_LINES * modes)
+        found, guess = [], ()
+        if modes:
+            oracle.bend(n, complex_of(view(march.groups["flow"].coefficient)[0, : points // 2 + 1]))
+            y = np.clip(oracle.wall.real, 0.0, 1.0)
+            series = given.series()
+            found = [
+                tuple(np.polynomial.chebyshev.chebval(2.0 * y - 1.0, series[row]) for row in (k, modes + k))
+                for k in range(modes)
+            ]
+            assert np.allclose(
+                found[0][0], march.sections[0].shape(chord * y)[0] / chord, rtol=0, atol=1e-9 * 100 / chord
+            )
+            guess = view(body.q_guess)[0, state.RATE, :modes]
+
+        def solve(fixed, rates, accels, n=n):
+            beta = march.cases[0].step / (1.0 if n == 1 else 1.5)
+            known = view(body.q_known)[0, state.RATE, :modes]
+            ours, response = view(body.load)[0, :modes], view(body.response)[0, :modes, :modes]
+            assert np.allclose(ours, load * chord * (fixed + rates @ known), rtol=1e-8)
+            assert np.allclose(
+                response, load * chord * (beta * rates + accels), rtol=1e-8, atol=1e-9 * abs(response).max()
+            )
+            return view(body.q)[0, state.RATE, :modes].copy(), view(body.q)[0, state.ACCEL, :modes].copy()
+
+        force, moment = oracle.step(n, *moving(march, n), found, guess, solve)
+        for name, theirs in (
+            ("vorticity", oracle.w), ("area", oracle.area), ("change", oracle.change),
+            ("flux_rho", oracle.flux_rho), ("flux_phi", oracle.flux_phi),
+        ):  # fmt: skip
+            ours = rows_of(march, name, len(theirs))
+            assert np.allclose(ours, theirs, rtol=0, atol=1e-9 * abs(theirs).max()), (name, n)
+        assert np.allclose(lines[arrays.FLUX], oracle.g, rtol=0, atol=1e-8 * abs(oracle.g).max())
+        ours = view(body.force)[0]
+        assert abs(complex(ours[state.AXIAL], ours[state.NORMAL]) - load * force) < 1e-7 * load * abs(force)
+        assert abs(ours[state.MOMENT] - load * chord * moment) < 1e-6 * load * chord * abs(force)
+
+
+def complex_of(pairs):
+    return pairs[:, 0] + 1j * pairs[:, 1]
+
+
+def test_the_map_takes_the_circle_to_the_bent_section():
+    march = marching(case("wing.modes=2", "motion.start_up_periods=1.0"))
+    march.advance(150)
+    coefficients = complex_of(view(march.groups["flow"].coefficient)[0, :33])
+    wall = positions(coefficients, np.zeros(1), np.linspace(0.0, 2.0 * np.pi, 400))[0]
+    q = view(march.body.q_guess)[0, state.AMPLITUDE]
+    deflection = q @ march.sections[0].shape(0.02 * np.clip(wall.real, 0.0, 1.0)) / 0.02
+    assert abs(deflection).max() > 0.02
+    off = np.hypot(2.0 * wall.real - 1.0, (wall.imag - deflection) / 0.02) - 1.0
+    assert abs(off).max() < 1e-4 * abs(deflection).max() / 0.02
+    corner = complex_of(np.stack([rows_of(march, f"corner_{x}", 30)[:, :].ravel() for x in "yz"], axis=1))
+    expected = positions(
+        coefficients, tables.Given.of(march.cases[0], march.sections[0]).grid.faces[:30], np.arange(1, 65) * np.pi / 32
+    )
+    assert abs(corner - expected.ravel()).max() < 1e-12
+
+
+def thin_plate(shapes):
+    """Added mass of deflections of a thin plate, of unit chord and density: Glauert's series, exact."""
+    angle = (np.arange(4000) + 0.5) * np.pi / 4000
+    n = np.arange(1, 200)
+    sines = np.sin(np.outer(n, angle))
+    found = [2.0 / 4000 * (sines @ (w * np.sin(angle))) for w in shapes(0.5 - 0.5 * np.cos(angle))]
+    return np.pi / 4.0 * np.array([[np.sum(a * b / n) for b in found] for a in found])
+
+
+@pytest.mark.parametrize("thickness", [0.02, 0.1, 0.5])
+def test_added_mass_of_heave_is_pi_over_four(thickness):
+    given = tables.Given.of(case("wing.modes=0", f"navier_stokes.thickness={thickness}"), marching_modes(0))
+    grid = given.grid
+    wall = positions(grid.coefficients, np.zeros(1), grid.centres)[0]
+    slope = grid.coefficients[0] * np.exp(1j * grid.centres) - grid.coefficients[2] * np.exp(-1j * grid.centres)
+    force = (tables.sheet(slope.real, -wall.real) + slope.real) @ wall.real * grid.dphi
+    assert abs(force + np.pi / 4.0) < 1e-12
+
+
+def marching_modes(count):
+    return taichiflap.structure.beam.modes(case(f"wing.modes={count}").wing)
+
+
+def test_added_mass_of_the_modes_is_that_of_a_thin_plate():
+    """At rest, all digits, whatever the thickness: the response at the start, of four modes."""
+    march = marching(case("wing.modes=4", "navier_stokes.cells=128"))
+    march.advance(1)
+    wing = march.sections[0]
+    exact = 1.225 * 0.05 * 0.02**2 * thin_plate(lambda s: wing.shape(0.02 * s))
+    ours = view(march.body.response)[0]
+    assert np.allclose(ours, -exact, rtol=0, atol=1e-10 * exact[0, 0])
+
+
+def test_bits_are_the_same_alone_in_a_batch_and_resumed():
+    cases = [case("wing.modes=1"), case("wing.modes=0", "navier_stokes.cells=96"), case("wing.modes=2")]
+    together = marching(*cases, threads=2)
+    together.advance(30)
+    for b, one in enumerate(cases):
+        alone = marching(one)
+        alone.advance(20)
+        taken = {name: values.copy() for name, values in alone.state(0).items()}
+        again = marching(one)
+        again.restore([taken], 20)
+        again.advance(10)
+        rows = tables.Given.of(one, alone.sections[0]).grid.rows
+        for name in ("vorticity", "flux_rho"):
+            ours = rows_of(again, name, rows)
+            assert np.array_equal(ours, rows_of(together, name, rows, b))
+        assert np.array_equal(view(again.body.force)[0], view(together.body.force)[b])
+
+
+def forces(*more):
+    """Force (N) and time of a rigid wing that starts smoothly."""
+    march = marching(case("wing.modes=0", "motion.start_up_periods=0.5", *more))
+    found = march.advance(10**6)[0]
+    return found["step"] * march.cases[0].step, found["force"][:, state.NORMAL]
+
+
+def test_second_order_in_time():
+    times = np.linspace(0.006, 0.036, 61)
+    found = [np.interp(times, *forces(f"time.steps_per_period={n}")) for n in (400, 800, 3200)]
+    coarse, fine = (np.abs(one - found[-1]).max() for one in found[:2])
+    assert coarse / fine > 3.3
+    assert fine < 0.01 * np.abs(found[-1]).max()
+
+
+def test_force_is_the_rate_of_the_impulse():
+    """Surface loads against -d/dt of the vorticity's first moment, while all of it is on the grid."""
+    march = marching(
+        case(
+            "wing.modes=0",
+            "navier_stokes.cells=128",
+            "navier_stokes.radius=7.6",
+            "motion.start_up_periods=0.5",
+            "time.steps_per_period=1600",
+        )
+    )
+    frames = march.advance(10**6)[0]
+    step, field = march.cases[0].step, frames["field_step"]
+    grid = tables.Given.of(march.cases[0], march.sections[0]).grid
+    moved = march.motion[0]
+    corner = grid.corner
+    centre = 0.25 * (corner[1:] + corner[:-1] + np.roll(corner, 1, 1)[1:] + np.roll(corner, 1, 1)[:-1])
+    content = frames["vorticity"] * (grid.area * grid.drho[:, None] * grid.dphi)
+    place = centre * np.exp(1j * moved[field, PITCH])[:, None, None] + 1j * moved[field, 0][:, None, None] / 0.02
+    impulse = -1j * (content * place).sum(axis=(1, 2))
+    # The fluid that the section displaces moves with it.
+    turn = np.exp(1j * moved[field, PITCH])
+    area = math.pi * grid.half * 0.5
+    middle = 1j * moved[field, PLUNGE_RATE] / 0.02 + 1j * moved[field, PITCH_RATE] * 0.5 * turn
+    spun = -1j * 2.0 * moved[field, PITCH_RATE] * area * (0.5 * turn + 1j * moved[field, 0] / 0.02)
+    total = impulse + spun
+    rate = np.gradient(total, step * (field[1] - field[0]))
+    accel = np.gradient(middle, step * (field[1] - field[0])) * area
+    load = 1.225 * 0.02**3 * 0.05
+    ours = (frames["force"][field, state.AXIAL] + 1j * frames["force"][field, state.NORMAL]) * turn / load
+    off = np.abs(ours + rate - accel)[5:-5]
+    assert np.sqrt(np.mean(off**2)) < 0.005 * np.sqrt(np.mean(np.abs(ours) ** 2))
+
+
+STILL = ("motion.plunge={amplitude=0.0}", "motion.pitch={amplitude_deg=0.0}")
+
+
+def test_wet_frequency_is_that_of_a_thin_plate():
+    """Of a wing that rings in a fluid at rest, as the viscosity vanishes."""
+    ringing = case(
+        *STILL,
+        "wing.modes=1",
+        "wing.damping_ratio=0.0",
+        "fluid.viscosity=1e-9",
+        "time.steps_per_period=1000",
+        "navier_stokes.wall_spacing=0.001",  # the wall's vorticity is spread over the first row
+    )
+    march = marching(ringing)
+    march.advance(1)
+    view(march.body.q)[0, state.AMPLITUDE, 0] = 1e-9
+    q = march.advance(10**6)[0]["q"][:, state.AMPLITUDE, 0]
+    turns = np.flatnonzero(q[1:] * q[:-1] < 0.0)
+    crossing = turns + q[turns] / (q[turns] - q[turns + 1])
+    wet = 0.5 / (np.diff(crossing).mean() * ringing.step)
+    dry, wing = march.sections[0].frequency[0], march.sections[0]
+    added = 1.225 * 0.05 * 0.02**2 * thin_plate(lambda s: wing.shape(0.02 * s))[0, 0]
+    assert wet == pytest.approx(dry / math.sqrt(1.0 + added), rel=3e-3)
+
+
+@pytest.mark.parametrize("ratio", [10.0, 20.0])
+def test_a_light_wing_is_stable_without_iteration(ratio):
+    """The fluid that moves with the wing weighs ten and twenty times the wing, in a stroke of a tenth."""
+    dense = ratio * 4.0 * 40e-6 / (math.pi * 0.05 * 0.02**2)
+    march = marching(
+        case("wing.modes=1", f"fluid.density={dense}", "motion.plunge={amplitude=0.002,phase_deg=90}",
+             "motion.pitch={amplitude_deg=2}", "motion.start_up_periods=0.5")
+    )  # fmt: skip
+    found = march.advance(10**6)[0]
+    assert len(found["step"]) == march.steps + 1
+    # No force jumps from step to step.
+    force = found["force"][20:, state.NORMAL]
+    assert np.abs(np.diff(force, 2)).max() < 0.01 * np.abs(force).max()
+
+
+def test_messages():
+    with pytest.raises(CaseError, match=r"fluid.viscosity: missing; .* air has 1.5e-5"):
+        hawkmoth("solver=navier_stokes")
+    with pytest.raises(CaseError, match=r"the nearest is 96"):
+        case("navier_stokes.cells=100")
+    with pytest.raises(CaseError, match=r"at least 0.02 chords"):
+        case("navier_stokes.thickness=0.01")
+    with pytest.raises(CaseError, match=r"wing.span is a table"):
+        case("wing.span=[[0.0, 0.05], [1.0, 0.04]]")
+    with pytest.raises(
+        ResolutionError, match=r"navier_stokes.cells = 64 is too few at a Reynolds number of .*; give 192"
+    ):
+        marching(case("fluid.viscosity=1e-5"))
+    with pytest.raises(ResolutionError, match=r"give time.steps_per_period = [0-9]+ or more"):
+        marching(case("time.steps_per_period=20"))
+
+
+def test_a_map_that_does_not_converge_says_so():
+    march = marching(case("wing.modes=1", "motion.plunge={amplitude=0.08,phase_deg=90}", "time.steps_per_period=1600"))
+    march.advance(10**6)
+    assert "the map of the bent section did not converge at step" in march.reason(0)
+
+
+def test_steps_frames_and_start_up_of_its_own():
+    own = hawkmoth("solver=navier_stokes", "fluid.viscosity=4e-4").override("time.periods=2").resolved()
+    assert own.steps_per_beat == 200  # the file's own
+    plain = {name: value for name, value in hawkmoth(*NS).to_dict().items() if name not in ("time", "output")}
+    own = taichiflap.case.case.parse_case(plain).resolved()
+    assert own.time.steps_per_period > 400
+    assert own.output.every == round(own.time.steps_per_period / 40)
+    assert own.motion.start_up_periods == 1.0
+    assert any("begins with a jump" in one for one in fluids.load("navier_stokes").warnings(own))
