@@ -152,6 +152,6 @@ def test_a_result_opens_where_its_model_is_not(tmp_path, monkeypatch):
 
 def test_a_misspelt_name_gets_both_ways_to_name_a_model():
     for wrong in ("uvml", "module:", "module:a-b", "theodorsen.model"):
-        with pytest.raises(CaseError, match='"uvlm" or "dbet" or "module:NAME"') as error:
+        with pytest.raises(CaseError, match='"uvlm" or "dbet" or "navier_stokes" or "module:NAME"') as error:
             hawkmoth(f'solver="{wrong}"')
         assert wrong in str(error.value)

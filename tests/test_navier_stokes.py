@@ -295,5 +295,5 @@ def test_steps_frames_and_start_up_of_its_own():
     own = taichiflap.case.case.parse_case(plain).resolved()
     assert own.time.steps_per_period > 400
     assert own.output.every == round(own.time.steps_per_period / 40)
-    assert own.motion.start_up_periods == 1.0
+    assert own.motion.growth == 1.0 / 25.0
     assert any("begins with a jump" in one for one in fluids.load("navier_stokes").warnings(own))

@@ -126,8 +126,8 @@ def completed(case: Case) -> Case:
     if "every" not in case.output.model_fields_set:
         every = max(1, round(case.steps_per_beat / FRAMES_A_BEAT))
         changed["output"] = case.output.model_copy(update={"every": every})
-    if case.periodic and not case.motion.growth and starts_with_jump(case):
-        changed["motion"] = case.motion.model_copy(update={"start_up_periods": INSERTED})
+    if case.motion.frequency and not case.motion.growth and starts_with_jump(case):
+        changed["motion"] = case.motion.model_copy(update={"start_up": INSERTED / case.motion.frequency})
     return case.model_copy(update=changed) if changed else case
 
 
