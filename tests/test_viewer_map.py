@@ -117,3 +117,17 @@ def test_a_file_that_is_no_map_is_refused(tmp_path):
     (tmp_path / "map.h5").write_bytes(b"no")
     with pytest.raises(MapError, match="not a readable map"):
         MapViewer(tmp_path / "map.h5")
+
+
+def test_a_case_for_which_the_model_does_not_hold_has_no_colour():
+    case = hawkmoth()
+    kept = METRICS | {"tip_peak_mean": Variable((), "m", "tip")}
+    sheet = maps.create(None, case, design(case, {"wing.youngs_modulus": "5e9:60e9:4"}), kept)
+    tips = (0.1, 0.021, 0.019, 0.002)  # m, of a chord of 0.02
+    outcomes = [
+        Outcome({"force_vertical_mean": 9.0 - n, "power_mean": 1.0, "tip_peak_mean": t}) for n, t in enumerate(tips)
+    ]
+    sheet.record(range(4), outcomes)
+    picture = read(sheet, Choice("power_mean", "force_vertical_mean", "power_mean"))
+    assert list(np.isnan(picture.values)) == [True, True, False, False]
+    assert [list(front) for front in picture.fronts] == [[2]]

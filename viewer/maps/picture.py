@@ -16,6 +16,7 @@ from taichiflap.maps.labels import factor_of, is_log
 from taichiflap.metrics.names import POWER, gains, shown
 from taichiflap.metrics.pareto import pareto_front
 from taichiflap.notation import short
+from taichiflap.run import limits
 
 MOST_TICKS = 6
 MOST_STEPS = 8
@@ -100,8 +101,9 @@ def held(sheet: Map, choice: Choice) -> list[Axis]:
 
 
 def read(sheet: Map, choice: Choice) -> Picture:
-    """The picture of a choice."""
-    numbers, values = np.arange(sheet.design.size), _column(sheet, choice.colour)
+    """The picture of a choice; a case for which the model does not hold has no value, as one that failed."""
+    numbers = np.arange(sheet.design.size)
+    values = np.where(limits.broken(sheet), np.nan, _column(sheet, choice.colour))
     if _is_heat_map(sheet, choice):
         axes = sheet.design.axes
         keys = [axis.key for axis in axes]
@@ -125,7 +127,8 @@ def _is_heat_map(sheet: Map, choice: Choice) -> bool:
 
 def _fronts(sheet: Map, gain: str) -> list[NDArray[np.intp]]:
     """Pareto fronts of a force against power: one for each value of the first key of text, or one of all cases."""
-    force, power = sheet.values(gain).ravel(), sheet.values(POWER).ravel()
+    force = np.where(limits.broken(sheet), np.nan, sheet.values(gain).ravel())
+    power = sheet.values(POWER).ravel()
     texts = [_column(sheet, axis.key) for axis in sheet.design.axes if not axis.numeric]
     kinds = texts[0] if texts else np.zeros(len(force))
     alike = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
