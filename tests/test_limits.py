@@ -49,8 +49,8 @@ def test_the_energy_left_over_is_the_error_of_the_step(solver, stream):
 
     (coarse, rough), (fine, smooth) = left(200), left(800)
     assert fine < coarse / 8 < 1e-3
-    # At a single moment the lattice is of first order: each vortex is shed in an instant.
-    assert smooth < rough / (8 if solver == "dbet" else 3)
+    # At a single moment a vortex that is shed, or an element that stalls, is an event of a step.
+    assert smooth < min(rough, 0.01)
 
 
 def test_the_energy_of_a_rigid_wing_closes_by_itself():
