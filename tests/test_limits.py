@@ -60,12 +60,16 @@ def test_the_energy_of_a_rigid_wing_closes_by_itself():
 
 @pytest.mark.slow
 def test_a_run_that_leaves_energy_over_says_so_and_how_to_cure_it():
-    """A wing too soft for so few steps; with the steps that the warning asks for it is quiet."""
-    soft = ("solver=dbet", "wing.modes=3", "time.periods=4", "time.steps_per_period=16", "wing.youngs_modulus=60e9")
+    """A soft wing in sixteen steps a beat; with twice the steps, as the warning asks for, less is left over."""
+    soft = (
+        "wing.modes=3", "wing.youngs_modulus=3e9", "motion.pitch.amplitude_deg=30.0", "uvlm.panels=10", "uvlm.wake=all",
+        "time.periods=4", "time.steps_per_period=16",
+    )  # fmt: skip
     with taichiflap.simulate(hawkmoth(*soft)) as result:
         residual = taichiflap.summarise(result).energy_residual
-        said = result.attributes["warnings"]
-    assert ("unaccounted for" in said) == (residual > 0.03)
+        assert f"{100 * residual:.2g} % of the work is unaccounted for" in result.attributes["warnings"]
+    with taichiflap.simulate(hawkmoth(*soft, "time.steps_per_period=32")) as result:
+        assert taichiflap.summarise(result).energy_residual < residual / 2
     case = hawkmoth(*soft)
     assert not list(unbalanced(0.03, case))
     assert not list(unbalanced(None, case))
