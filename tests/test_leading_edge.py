@@ -3,14 +3,22 @@
 import numpy as np
 import pytest
 from conftest import CASES, assert_columns_agree, hawkmoth, march
+from matplotlib.colors import to_hex
 from oracle import UvlmOracle
+from taichiflap_viewer.charts import quantities
+from taichiflap_viewer.colours import LIGHT
+from taichiflap_viewer.frames import Run
+from taichiflap_viewer.legend import legend
 
 import taichiflap
 from taichiflap import fluids
 from taichiflap.case.case import CaseError
+from taichiflap.drawing import palette
+from taichiflap.export.table import write_csv
 from taichiflap.fluids.uvlm import long_wake, wake
 from taichiflap.kernels.runtime import view
 from taichiflap.march.march import March
+from taichiflap.plots.result import summary, wing
 from taichiflap.run import warnings
 
 EDGE = (
@@ -277,3 +285,29 @@ def test_the_reynolds_number_goes_by_the_speed_of_the_pivot():
     """The hawkmoth's pivot has an amplitude of 20 mm at 25 Hz: a root mean square speed of 2.22 m/s."""
     assert hawkmoth().reynolds is None
     assert hawkmoth("fluid.viscosity=1.5e-5").reynolds == pytest.approx(2.2214 * 0.02 / 1.5e-5, rel=1e-3)
+
+
+def test_two_sheets_are_told_apart_in_files_figures_and_the_viewer(tmp_path):
+    case = hawkmoth(*SHORT, "wing.modes=1", "uvlm.suction_limit=0.3")
+    with taichiflap.simulate(case, tmp_path / "sheds.h5") as result:
+        assert result.has_sheets
+        last = result.wake(-1)
+        assert set(last["edge"]) == {0, 1}
+        released = last["circulation"][last["edge"] == 1].sum()
+        assert released == pytest.approx(result.leading_edge_circulation[-1], abs=1e-6)
+        write_csv(result, tmp_path / "sheds.csv")
+        header = (tmp_path / "sheds.csv").read_text().split("\n")[0]
+        assert "leading_edge_sheds (1)" in header
+        assert "suction_velocity (m s-1)" in header
+        dots = [
+            {to_hex(colour) for colour in ax.collections[0].get_facecolors()}
+            for ax in wing(result, sheets=True).axes
+            if ax.collections
+        ]
+        assert set.union(*dots) == set(palette.SHEETS)
+        marked = [one for ax in summary([result]).axes for one in ax.collections]
+        assert any(to_hex(one.get_facecolor()[0]) == palette.SHEETS[1] for one in marked)
+        run = Run(result, "sheds")
+        assert np.array_equal(run.frame(run.frames - 1).edge, last["edge"])
+        assert "two sheets" in legend([run], LIGHT, None)
+        assert "leading_edge_sheds" in [quantity.name for quantity in quantities([run])]
