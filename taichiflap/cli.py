@@ -149,6 +149,29 @@ def view(
     show(files, host=host, port=port, browser=browser, token=token, trust=trust)
 
 
+@app.command(short_help="Change a case by sliders in the browser, and see what comes of it at once.")
+def explore(
+    case_file: CaseFile,
+    settings: Settings = None,
+    threads: Threads = None,
+    host: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="where to listen; this machine only, unless told otherwise")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int,
+        typer.Option(min=1, max=65535, metavar="N", help="port to listen at; a taken one gives way to the next"),
+    ] = 8080,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open a browser")] = True,
+    token: Annotated[
+        bool, typer.Option("--token/--no-token", help="have the address hold a secret, without which nobody comes in")
+    ] = True,
+) -> None:
+    """Change a case by sliders in the browser: every change is computed at once, in five beats at most."""
+    from taichiflap_viewer.explore.viewer import explore as show
+
+    show(case_file, settings or (), threads=threads, host=host, port=port, browser=browser, token=token)
+
+
 @app.command()
 def info(file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)]) -> None:
     """Summarise a result or a map."""

@@ -291,7 +291,7 @@ def test_controls_take_nothing_but_what_they_offer(folder, capfd, number):
         say_hello(socket_of_a_page)
         wait_for(lambda: one.sessions)
         (session,) = one.sessions
-        session.act("frame", 20)
+        session.act("frame", 20.0)
         handles = session.client.gui._gui_input_handle_from_uuid
         before = {uuid: handle._impl.value for uuid, handle in handles.items()}
         assert len(handles) > 10
@@ -335,7 +335,7 @@ def test_a_result_that_is_deleted_replaced_or_cut_is_told_in_a_sentence(folder, 
         shutil.copy(folder / "bent.h5", tmp_path / "two.h5")
         with served(Viewer([path], port=18480)) as one, page(one) as socket_of_a_page:
             say_hello(socket_of_a_page)
-            assert "data-notice" not in heard(socket_of_a_page, "data-time")
+            assert "data-notice" not in heard(socket_of_a_page, "data-head")
             harm()
             assert sentence in heard(socket_of_a_page, "data-notice")
             # Who comes now is told as well.

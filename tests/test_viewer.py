@@ -199,7 +199,9 @@ def test_a_table_that_starts_up_is_not_drawn_beyond_its_end(tmp_path):
     document |= {"motion": motion | {"surge": surge}, "time": {"duration": 0.04, "step": 0.0004}}
     result = taichiflap.simulate(parse_case(document))
     run = Run(result, "table")
-    assert run.path == pytest.approx((result.plunge.min() / run.chord, result.plunge.max() / run.chord))
+    chosen = [result.plunge.argmin(), result.plunge.argmax()]
+    ends = np.stack((result.plunge[chosen], -result.surge[chosen]), axis=1) / run.chord
+    np.testing.assert_allclose(run.path, ends, atol=1e-9)
     for index in (0, 40, run.frames - 1):
         frame = run.frame(index)
         np.testing.assert_allclose(frame.chord, frame.nodes[[0, -1]], atol=1e-6)
@@ -459,10 +461,15 @@ def test_in_a_stream_charts_and_differences_are_of_lift_and_thrust(tmp_path):
     run = Run(result, "stream")
     shown = {one.name: one for one in charts.quantities([run])}
     assert list(shown) == ["plunge", "lift", "thrust", "power"]  # a wing that does not bend
-    times, lift = charts._series(run, "lift", 0, run.frames - 1)
-    _, thrust = charts._series(run, "thrust", 0, run.frames - 1)
+    times, lift = run.curve("lift", 0, run.steps - 1, 241)
+    _, thrust = run.curve("thrust", 0, run.steps - 1, 241)
     np.testing.assert_allclose(lift**2 + thrust**2, result.force_y**2 + result.force_z**2)
     assert len(times) == run.frames
+    # The stream runs to the right, and lift is what points up.
+    np.testing.assert_allclose(run.page.on_page(1.0, 0.5), [np.hypot(1.0, 0.5), 0.0], atol=1e-12)
+    for index in (30, 57):
+        np.testing.assert_allclose(run.frame(index).force, [-thrust[index], lift[index]], rtol=1e-9)
+    assert {run.half_stroke(30), run.half_stroke(50)} == {"upstroke", "downstroke"}
     names = [one.name for one in compare.differences(run, run)]
     assert names[:2] == ["lift, mean", "thrust, mean"]
     summary = taichiflap.summarise(result)

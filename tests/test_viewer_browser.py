@@ -20,6 +20,7 @@ from conftest import CASES, hawkmoth
 from matplotlib.image import imread
 from taichiflap_viewer import Viewer
 from taichiflap_viewer.colours import DARK, LIGHT, METRIC, RUNS, linear, rgb
+from taichiflap_viewer.explore.viewer import Explorer
 from taichiflap_viewer.maps.scene import HEIGHT, WIDTH
 from taichiflap_viewer.maps.viewer import MapViewer
 from test_cli import frames_in
@@ -82,7 +83,7 @@ def look(browser):
     errors = []
     contexts = []
 
-    def open_page(address, context=None, node="/wing", text="Reset view", **options):
+    def open_page(address, context=None, node="/wing", text="Reset view", query="", **options):
         if context is None:
             context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
             contexts.append(context)
@@ -90,7 +91,7 @@ def look(browser):
         page.set_default_timeout(1e3 * SECONDS)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("console", lambda message: message.type == "error" and errors.append(message.text))
-        page.goto(f"{address}?fixedDpr=1")
+        page.goto(f"{address}?fixedDpr=1{query}")
         page.wait_for_function(f"() => {NODE.format(node)}")
         page.get_by_text(text, exact=True).wait_for()
         return page
@@ -113,8 +114,8 @@ def wait_for_frame(page, viewer, index):
 
 
 def go_to(page, viewer, index):
-    """Type a frame into the box beside the slider."""
-    box = page.locator("input.mantine-NumberInput-input").first
+    """Type a frame into the box beside the timeline."""
+    box = page.get_by_label("Frame", exact=True)
     box.fill(str(index))
     box.press("Enter")
     wait_for_frame(page, viewer, index)
@@ -134,12 +135,12 @@ def shows_all(chart):
 
 def stop(page):
     page.get_by_role("button", name="Pause").click()
-    page.get_by_role("button", name="Play").wait_for()
+    page.get_by_role("button", name="Play", exact=True).wait_for()
 
 
 def choose(page, label, option):
     page.get_by_label(label, exact=True).first.click()
-    page.get_by_role("option", name=option, exact=True).click()
+    page.locator("[data-combobox-option]:visible").get_by_text(option, exact=True).click()
 
 
 def test_wing_and_wake_are_the_files(serve, look):
@@ -186,27 +187,68 @@ def test_the_canvas_has_the_colours_of_the_legend(serve, look):
     assert rgb(LIGHT.circulation.stops[0]) == tuple(LIGHT.circulation.table[0])
 
 
-def test_play_advances_and_the_timeline_acts(serve, look):
+def test_the_timeline_acts(serve, look):
     viewer = serve("uvlm")
     page = look(viewer.address)
     seen = page.evaluate(f"() => {PROPS.format('/time')}.text")
     page.wait_for_function(f"text => {PROPS.format('/time')}.text !== text", arg=seen)
     stop(page)
     go_to(page, viewer, 130)
-    page.get_by_role("button", name="on ›").click()
-    wait_for_frame(page, viewer, 131)
-    page.get_by_role("button", name="next »").click()
+    page.get_by_role("button", name="next", exact=True).click()
     wait_for_frame(page, viewer, 200)
-    page.get_by_role("button", name="« last").click()
+    page.get_by_role("button", name="previous", exact=True).click()
     wait_for_frame(page, viewer, 100)
-    beat = page.get_by_label("Beat", exact=True)
-    beat.fill("2")
-    beat.press("Enter")
-    wait_for_frame(page, viewer, 200)
-    choose(page, "Loop", "whole run")
-    choose(page, "Speed", "2 beats a second")
+    for key, frame in (("ArrowRight", 101), ("ArrowLeft", 100), ("Shift+ArrowRight", 110), ("Shift+ArrowLeft", 100),
+                       ("End", 400), ("ArrowRight", 400), ("Home", 0)):  # fmt: skip
+        page.keyboard.press(key)
+        wait_for_frame(page, viewer, frame)
+    page.wait_for_function("() => location.search.includes('frame=0')")
+    page.locator("#tf-line").focus()
+    page.keyboard.press(" ")
+    page.get_by_role("button", name="Pause").wait_for()
+    page.keyboard.press(" ")
+    page.get_by_role("button", name="Play", exact=True).wait_for()
+    line = page.locator("#tf-line").bounding_box()
+
+    def spot(frame):
+        return line["x"] + 12 + (line["width"] - 24) * frame / 400, line["y"] + 30
+
+    page.mouse.move(*spot(120))
+    page.mouse.down()
+    for frame in range(120, 260, 10):
+        page.mouse.move(*spot(frame))
+    page.mouse.up()
+    (session,) = viewer.sessions
+    wait_until(page, lambda: abs(session.playback.frame - 250) <= 1)
+    wait_for_frame(page, viewer, session.playback.frame)
+    page.keyboard.down("Shift")
+    page.mouse.move(*spot(80))
+    page.mouse.down()
+    page.mouse.move(*spot(160), steps=3)
+    page.mouse.up()
+    page.keyboard.up("Shift")
+    wait_until(page, lambda: session.playback.loop == "range")
+    np.testing.assert_allclose(session.playback.range, (80, 160), atol=1)
+    page.get_by_label("Loop").select_option("whole run")
+    page.get_by_label("Speed").select_option("2 beats a second")
     page.get_by_role("button", name="Play").click()
     page.wait_for_function(f"() => {PROPS.format('/time')}.text.startsWith('beat 1 ')")
+    stop(page)
+    over = page.locator(".u-over").first.bounding_box()
+    page.mouse.click(over["x"] + 0.25 * over["width"], over["y"] + 20)
+    wait_until(page, lambda: abs(session.playback.frame - 250) <= 2)
+    page.mouse.move(over["x"] + 0.5 * over["width"], over["y"] + 20)
+    page.wait_for_function("() => document.getElementById('tf-tip').innerText.startsWith('t/T = 1.50')")
+
+
+def test_a_link_leads_to_its_frame(serve, look):
+    viewer = serve("dbet")
+    page = look(viewer.address, query="&frame=137")
+    wait_for_frame(page, viewer, 137)
+    page.get_by_role("button", name="Play", exact=True).wait_for()
+    page.reload()
+    page.wait_for_function(f"() => {NODE.format('/time')}")
+    wait_for_frame(page, viewer, 137)
 
 
 def test_layers_background_and_theme_act(serve, look):
@@ -259,7 +301,7 @@ def test_a_picture_of_the_flow_is_shown_with_its_own_frame_or_not_at_all(serve, 
     choose(page, "Background", "vorticity")
     page.wait_for_function(f"() => Object.keys({STORE}).filter(name => name.endsWith('/picture')).length > 12")
     for speed in ("1/4 beat a second", "1 beat a second"):
-        choose(page, "Speed", speed)
+        page.get_by_label("Speed").select_option(speed)
         seen = page.evaluate(WITH_ITS_FRAME, 12)
         frames = {}
         for text, shown in seen:
@@ -427,7 +469,7 @@ def test_a_dropped_connection_comes_back_to_its_frame(serve, look):
         wait_until(page, lambda: viewer.sessions and viewer.sessions[0] is not before)
         page.wait_for_function(f"() => {NODE.format('/wake')}")
         wait_for_frame(page, viewer, 222)
-        page.get_by_role("button", name="Play").wait_for()
+        page.get_by_role("button", name="Play", exact=True).wait_for()
         assert not page.evaluate(f"() => {NODE.format('/force')}.effectiveVisibility")
 
 
@@ -453,10 +495,10 @@ def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
                 line = running.stdout.readline()
                 assert line
             page = look(line.split()[0])
-            page.locator("[data-time]").get_by_text("being computed").wait_for()
+            page.locator("[data-head]").get_by_text("being computed").wait_for()
             os.kill(running.pid, signal.SIGCONT)
             page.wait_for_function(f"() => {PROPS.format('/time')}.text.includes('beat 7   t/T = 1.000')")
-            page.wait_for_function("() => !document.querySelector('[data-time]').innerText.includes('being computed')")
+            page.wait_for_function("() => !document.querySelector('[data-head]').innerText.includes('being computed')")
             page.wait_for_function(f"() => {CHARTS}.every(c => c.scales.x.min === 6 && {shows_all('c')})")
             with taichiflap.open_result(path) as result:
                 assert (result.status, result.frames) == ("complete", 2801)
@@ -517,6 +559,45 @@ def test_a_click_on_a_map_computes_its_case_and_shows_it(tmp_path, look):
     finally:
         viewer.stop()
     assert [path.name[:2] for path in (tmp_path / "map-cases").iterdir()] == ["2-"]
+
+
+def test_a_slider_is_moved_and_the_wing_answers(look):
+    small = ("time.periods=2", "time.steps_per_period=40", "dbet.elements=20")
+    explorer = Explorer(CASES / "hawkmoth_dbet.toml", small, threads=1, port=18080)
+    try:
+        page = look(explorer.address)
+        stop(page)
+        (session,) = explorer.sessions
+        numbers, wing = page.locator("[data-differences]").inner_text(), floats(page, "/wing")
+        label = page.get_by_text("Youngs modulus, GPa", exact=True)
+        assert label.count() == 1
+        page.locator(".mantine-Slider-thumb").first.focus()
+        for _ in range(3):
+            page.keyboard.press("ArrowRight")
+        page.wait_for_function("old => document.querySelector('[data-differences]').innerText !== old", arg=numbers)
+        page.wait_for_function(
+            f"old => {{ const now = Array.from({PROPS.format('/wing')}.points);"
+            " return now.length !== old.length || now.some((x, i) => x !== old[i]); }",
+            arg=wing.tolist(),
+        )
+        wait_until(page, lambda: session.run.case == session.case.resolved())
+        assert session.case.wing.youngs_modulus > 24.5e9
+        # The pinned wing stays where it was.
+        ghost = floats(page, "/pinned/wing").reshape(-1, 2, 3)
+        frame = explorer.run.frame(explorer.run.index_at(session.run.turns(session.playback.frame)))
+        np.testing.assert_allclose(ghost[:, 0, 0], frame.nodes[:-1, 0], atol=1e-6)
+        box = page.get_by_label("Search")
+        box.fill("added mass")
+        page.get_by_text("Added mass", exact=True).wait_for()
+        with page.expect_download() as saved:
+            page.get_by_role("button", name="Save case").click()
+        assert taichiflap.load_case(saved.value.path()).wing == session.case.wing
+        with page.expect_download() as kept:
+            page.get_by_role("button", name="Keep result").click()
+        with taichiflap.open_result(kept.value.path()) as result:
+            assert result.case.wing == session.case.wing
+    finally:
+        explorer.stop()
 
 
 def pixels_of(page, colour, left=500, right=980):

@@ -1,6 +1,5 @@
 """The viewer of results: opens the files, and gives every browser a session."""
 
-import sys
 import threading
 import time
 import uuid
@@ -19,7 +18,7 @@ from .colours import theme
 from .field import Fields
 from .frames import Run
 from .scene import set_up
-from .server import Server, ViewError
+from .server import Server, ViewError, announce
 from .session import Session, opening
 from .timeline import Playback
 
@@ -185,14 +184,7 @@ def view(
     try:
         if isinstance(viewer, Viewer) and len(viewer.runs) == 2:
             print("\n".join(compare.text(*viewer.runs)))
-        if viewer.port != port:
-            print(f"port {port} is taken")
-        for address in viewer.far_addresses:
-            print(address)
-        if viewer.far_addresses:
-            whoever = "whoever has its address" if token else "anybody"
-            print(f"warning: other machines reach this viewer: {whoever} sees what it shows", file=sys.stderr)
-        print(f"{viewer.address}  (Ctrl-C stops)", flush=True)
+        announce(viewer, port)
         if browser:
             webbrowser.open(viewer.invitation)
         threading.Event().wait()

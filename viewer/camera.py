@@ -56,10 +56,10 @@ def home(box: Box, width: float, height: float) -> tuple[Point, Point]:
     """
     left, bottom, right, top = (float(edge) for edge in box)
     sheet = SHEET * height if 1.0 < width <= NARROW else 0.0
-    scale = MARGIN * max((top - bottom) / (height - sheet), (right - left) / width)
+    legend = LEGEND_PIXELS if width > 2.0 * LEGEND_PIXELS and not sheet else 0.0
+    scale = MARGIN * max((top - bottom) / (height - sheet), (right - left) / (width - legend))
     distance = max(scale * height / (2.0 * math.tan(FIELD_OF_VIEW / 2.0)), NEAREST)
-    spare = 0.0 if sheet else max(0.0, min(width * scale - MARGIN * (right - left), LEGEND_PIXELS * scale))
-    x, z = 0.5 * (left + right - spare), 0.5 * (bottom + top - sheet * scale)
+    x, z = 0.5 * (left + right - legend * scale), 0.5 * (bottom + top - sheet * scale)
     return (x, -distance, z), (x, 0.0, z)
 
 

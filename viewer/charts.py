@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from taichiflap.metrics.summary import in_stream
 from taichiflap.notation import prefixed
 from taichiflap.results.variables import VARIABLES
 
@@ -59,7 +58,7 @@ def quantities(runs: list[Run]) -> list[Quantity]:
     power, watts = prefixed(ranges.force * ranges.speed, "W")
     first = Quantity("tip_deflection", "Tip deflection", metres, length)
     if not any(len(run.shape) for run in runs):  # no wing bends: what moves instead
-        plunges = any(run.path[0] < run.path[1] for run in runs)
+        plunges = any(run.path is not None for run in runs)
         degrees = 180.0 / math.pi
         first = Quantity("plunge", "Plunge", metres, length) if plunges else Quantity("pitch", "Pitch", "deg", degrees)
     shown = IN_STREAM if all(any(run.case.fluid.velocity) for run in runs) else FORCES
@@ -91,11 +90,12 @@ class Charts:
         gui: what adds them.
         tab: where they stand, below all else.
         runs: one result, or two to compare; the first sets the times.
+        modes: whether to show the modal amplitudes of wings that have several.
     """
 
-    def __init__(self, gui: Any, tab: Any, runs: list[Run], playback: Playback) -> None:
+    def __init__(self, gui: Any, tab: Any, runs: list[Run], playback: Playback, modes: bool = True) -> None:
         self.runs = runs
-        self.quantities = quantities(runs)
+        self.quantities = [one for one in quantities(runs) if modes or one is not MODES]
         self._window: tuple[int, int] | None = None
         self._curves: dict[str, list[Array]] = {}
         self._times: Array = np.zeros(0)
@@ -116,12 +116,12 @@ class Charts:
                 for quantity in self.quantities
             }
 
-    def show(self, playback: Playback, again: bool = False) -> None:
+    def show(self, playback: Playback, frame: int, again: bool = False) -> None:
         """Move the dots to the frame shown; `again` reads the curves anew, from a file that has grown."""
         self._load(playback, again)
         self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
-            wire.send(self.handles[quantity.name], data=self._data(quantity, playback.frame))
+            wire.send(self.handles[quantity.name], data=self._data(quantity, frame))
 
     def _load(self, playback: Playback, again: bool = False) -> None:
         """Read the curves if they are others than before."""
@@ -147,7 +147,7 @@ class Charts:
         for run in self.runs:
             if quantity.name not in (*run.variables, *dict(IN_STREAM)):
                 continue
-            times, values = _series(run, quantity.name, run.step_at(start), run.step_at(end))
+            times, values = run.curve(quantity.name, run.step_at(start), run.step_at(end), POINTS)
             for curve in np.atleast_2d(values.T):
                 curves.append(quantity.factor * np.interp(self._times, times, curve, right=np.nan))
         return curves
@@ -180,15 +180,6 @@ class Charts:
             {"stroke": colour, "points": {"show": True, "size": 9, "fill": colour}, "auto": False} for colour in colours
         ]
         return ({"label": "t/T"}, *lines, *dots)
-
-
-def _series(run: Run, name: str, first: int, last: int) -> tuple[Array, Array]:
-    """Times (beats) and values of a variable, or of a force in a stream."""
-    if name not in ("lift", "thrust"):
-        return run.series(name, first, last, POINTS)
-    (times, y), (_, z) = (run.series(part, first, last, POINTS) for part in ("force_y", "force_z"))
-    lift, thrust = in_stream(run.case, np.asarray(y, dtype=float), np.asarray(z, dtype=float))
-    return times, lift if name == "lift" else thrust
 
 
 def caption(runs: list[Run]) -> str:

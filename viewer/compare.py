@@ -1,6 +1,6 @@
 """What differs between two results: means, peaks and phase over their settled beats."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -74,7 +74,7 @@ def text(first: Run, second: Run) -> Iterator[str]:
         yield f"{one.name + ', ' + one.unit:<28}{one.first:>10.4g}{one.second:>10.4g}  {one.change}"
 
 
-def table(first: Run, second: Run) -> str:
+def table(first: Run, second: Run, colours: Sequence[str] = RUNS) -> str:
     """The differences as an HTML table."""
     rows = "".join(
         f"<tr><td>{one.name.capitalize()}, {one.unit}</td>"
@@ -83,7 +83,7 @@ def table(first: Run, second: Run) -> str:
     )
     heads = "".join(
         f'<th style="color:{colour};text-align:left">{escape(run.label)}</th>'
-        for run, colour in zip((first, second), RUNS, strict=True)
+        for run, colour in zip((first, second), colours, strict=True)
     )
     return (
         f'<div data-differences style="font-size:11px;padding:0 4px 6px"><table style="width:100%">'

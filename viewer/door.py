@@ -70,17 +70,18 @@ class Door:
     Args:
         host: the address that the server listens at.
         token: whether the address holds a token, without which nobody comes in.
+        head: HTML for the head of the page.
 
     Attributes:
         refused: how many requests were turned away.
     """
 
-    def __init__(self, host: str, token: bool = True) -> None:
+    def __init__(self, host: str, token: bool = True, head: str = "") -> None:
         self.host = host
         self.token = secrets.token_urlsafe(24) if token else ""
         self.refused = 0
         self._invitations: dict[str, float] = {}
-        self._page = _page()
+        self._page = _page(head)
 
     @property
     def path(self) -> str:
@@ -168,12 +169,12 @@ class Door:
 
 
 @functools.cache
-def _page() -> bytes:
-    """viser's page, with our title, packed once for all."""
+def _page(head: str) -> bytes:
+    """viser's page, with our title and head, packed once for all."""
     text = PAGE.read_text("utf-8")
     if TITLE not in text:
         raise RuntimeError(f"this version of viser has another page: no {TITLE} in it")
-    return gzip.compress(text.replace(TITLE, HEAD, 1).encode(), 6, mtime=0)
+    return gzip.compress(text.replace(TITLE, HEAD + head, 1).encode(), 6, mtime=0)
 
 
 def _common(body: bytes) -> dict[str, str]:

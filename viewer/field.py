@@ -106,10 +106,11 @@ class Fields:
         finest = max(width, height) / ACROSS
         shape = max(2, round(height / finest)), max(2, round(width / finest))
         right, up = np.meshgrid(*_axes(box, shape))
-        along_y, along_z = self._velocity(index, np.stack((-up, right)) * run.chord)
-        velocity = np.stack((along_z, -along_y)).astype(np.float32)
+        places = run.page.off_page(np.stack((right, up), axis=-1))
+        along_y, along_z = self._velocity(index, places * run.chord)
+        velocity = np.moveaxis(run.page.on_page(along_y, along_z), -1, 0).astype(np.float32)
         step = finest * run.chord
-        # (right, up) is (Y, Z) turned by a quarter, so the curl keeps its sign.
+        # The page is (Y, Z) turned, so the curl keeps its sign.
         vorticity = np.gradient(velocity[1], step, axis=1) - np.gradient(velocity[0], step, axis=0)
         return Flow(box, velocity, vorticity)
 

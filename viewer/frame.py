@@ -12,7 +12,7 @@ Array = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Frame:
-    """One frame. Positions in chords on the screen: (right, up) = (Z, -Y) / chord.
+    """One frame. Positions in chords, to the right and up, as `taichiflap.drawing.orientation` turns them.
 
     Attributes:
         index: number of the frame.

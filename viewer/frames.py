@@ -10,10 +10,11 @@ from collections import OrderedDict
 import numpy as np
 
 from taichiflap import Result, fluids
-from taichiflap.drawing.scene import when
+from taichiflap.drawing import scene
+from taichiflap.drawing.orientation import Orientation
 from taichiflap.errors import UserError
 from taichiflap.fluids.interface import Velocity
-from taichiflap.metrics.summary import Summary, reversals, summarise
+from taichiflap.metrics.summary import Summary, in_stream, reversals, summarise
 from taichiflap.motion import sampling
 from taichiflap.results.reader import ResultError
 
@@ -24,6 +25,8 @@ from .watch import Watch
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
 """What HDF5 says of a file that changes under its reader, or that is closed until the next look."""
 
+IN_STREAM = ("lift", "thrust")
+"""Forces that no file holds."""
 CACHE_BYTES = 2**25
 SURVEYED = 12
 """Frames looked at to choose the ranges of colours and the first view."""
@@ -35,21 +38,25 @@ class Run:
     Args:
         result: the open result; the run closes it.
         label: what to call it beside another.
+        like: another run, whose ranges and first view this one takes instead of its own.
 
     Attributes:
-        path: how far the pivot goes to either side in the last beat, chords.
+        page: which way up it is shown.
+        path: both ends of the pivot's way in the last beat, chords, shape (2, 2); None if it stays where it is.
         trouble: what has become of the file since, in a sentence; nothing as long as it is the one that was opened.
         ranges, box: what colours and arrows are scaled by, and the box (left, bottom, right, top; chords) of the
             first view. A growing run looks at itself again each time that it has doubled, and when it is complete.
         surveys: how often it has done so.
+        content: the bytes of the file, where somebody keeps them.
     """
 
-    def __init__(self, result: Result, label: str) -> None:
+    def __init__(self, result: Result, label: str, like: "Run | None" = None) -> None:
         self.result = result
         self.label = label
         self.case = result.case
         self.chord = self.case.wing.chord
         self.title = self.case.title or label
+        self.page = Orientation.of(self.case)
         self.frames_per_beat = self.case.steps_per_beat / self.case.output.every
         self.steps_per_beat = self.case.steps_per_beat
         self.trouble = ""
@@ -62,6 +69,9 @@ class Run:
         self._cache: OrderedDict[int, Frame] = OrderedDict()
         self._held = 0
         self.surveys = self._surveyed = 0
+        self._given: tuple[Ranges, Array] | None = None if like is None else (like.ranges, like.box)
+        self._summary: Summary | None = None
+        self.content = b""
         if not result.frames:
             raise ResultError(f"{result.path}: holds no frame yet")
         self._model = fluids.known(self.case.solver)
@@ -79,7 +89,7 @@ class Run:
         self.station = self.result.stations
         self.shape = self.result.modes.get("shape", np.zeros((0, len(self.station))))
         if not self.surveys or self.frames >= 2 * self._surveyed or not self.live:
-            self.ranges, self.box = self._survey()
+            self.ranges, self.box = self._given or self._survey()
             self.path = self._reach()
             self.surveys, self._surveyed = self.surveys + 1, self.frames
 
@@ -164,12 +174,15 @@ class Run:
             return ""
         # A reversal belongs to the half-stroke that it begins.
         rate = self._moving(self._time(index) + 1e-6 * self.case.beat)[sampling.PLUNGE_RATE]
-        return "half-stroke to the right" if rate > 0.0 else "half-stroke to the left"
+        right, up = self.page.on_page(0.0, rate)
+        if abs(up) > abs(right):
+            return "upstroke" if up > 0.0 else "downstroke"
+        return "half-stroke to the right" if right > 0.0 else "half-stroke to the left"
 
     def when(self, index: int) -> str:
         """The time of a frame in words."""
         if not self.case.periodic:
-            return when(self.case, self.turns(index))
+            return scene.when(self.case, self.turns(index))
         number, part = self.beat_of(index)
         return f"beat {number}   t/T = {part:.3f}"
 
@@ -224,31 +237,41 @@ class Run:
             except UNREADABLE as error:
                 raise OSError(f"frame {index} cannot be read: {error}") from None
 
+    def curve(self, name: str, first: int, last: int, most: int) -> tuple[Array, Array]:
+        """As `series`, of `lift` and `thrust` too: the forces across and against the stream."""
+        if name not in IN_STREAM:
+            return self.series(name, first, last, most)
+        (times, y), (_, z) = (self.series(part, first, last, most) for part in ("force_y", "force_z"))
+        lift, thrust = in_stream(self.case, np.asarray(y, dtype=float), np.asarray(z, dtype=float))
+        return times, lift if name == "lift" else thrust
+
     def summary(self) -> Summary | None:
         """Means, peaks and phases over the settled beats; None while there is no whole beat, or no reading it."""
         with self._lock, contextlib.suppress(UserError, *UNREADABLE):
-            return summarise(self.result)
+            if self.live or self._summary is None:
+                self._summary = summarise(self.result)
+            return self._summary
         return None
 
     def _read(self, index: int) -> Frame:
-        result, scale = self.result, 1.0 / self.chord
+        result, scale, on_page = self.result, 1.0 / self.chord, self.page.on_page
         plunge, pitch = float(result.frame("plunge", index)), float(result.frame("pitch", index))
         surge = float(result.frame("surge", index)) if "surge" in self.variables else 0.0
         moving = self._moving(self._time(index))
         plunge_rate, pitch_rate, surge_rate = moving[[sampling.PLUNGE_RATE, sampling.PITCH_RATE, sampling.SURGE_RATE]]
-        along = np.array([np.sin(pitch), -np.cos(pitch)])
-        across = np.array([np.cos(pitch), np.sin(pitch)])
-        pivot = np.array([plunge * scale, -surge * scale])
+        along = on_page(np.cos(pitch), np.sin(pitch))
+        across = on_page(-np.sin(pitch), np.cos(pitch))
+        pivot = scale * on_page(surge, plunge)
         deflection = result.frame("q", index) @ self.shape if len(self.shape) else np.zeros(len(self.station))
         rate = result.frame("q_rate", index) @ self.shape if len(self.shape) else np.zeros(len(self.station))
         stream_y, stream_z = self.case.fluid.velocity
         velocity = (
-            np.array([plunge_rate - stream_z, stream_y - surge_rate])
+            on_page(surge_rate - stream_y, plunge_rate - stream_z)
             - np.outer(deflection * pitch_rate, along)
             + np.outer(self.station * pitch_rate + rate, across)
         )
         places = result.frame("node_position", index)
-        nodes = _on_screen(places[:, 0], places[:, 1], scale)
+        nodes = scale * on_page(places[:, 0], places[:, 1])
         wake = result.wake(index)
         return Frame(
             index=index,
@@ -258,9 +281,9 @@ class Run:
             axes=np.stack((along, across)),
             pressure=result.frame("pressure_jump", index),
             shear=self._field("shear", index),
-            force=np.array([result.frame("force_z", index), -result.frame("force_y", index)]),
+            force=on_page(result.frame("force_y", index), result.frame("force_z", index)),
             velocity=velocity,
-            wake=_on_screen(wake["y"], wake["z"], scale),
+            wake=scale * on_page(wake["y"], wake["z"]),
             circulation=wake["circulation"],
             age=self.turns(index) - wake["birth"] / self.steps_per_beat,
             edge=wake["edge"].astype(int),
@@ -273,11 +296,10 @@ class Run:
         """The prescribed motion at a time (s) of the run."""
         return sampling.sample(self.case.motion, np.array([min(moment, self.case.duration)]))[0]
 
-    def _reach(self) -> tuple[float, float]:
-        """How far the pivot goes to either side in the last beat, chords."""
-        first = max(0, round(self.steps - 1 - self.steps_per_beat))
-        plunge = self.result.between("plunge", first, self.steps - 1) / self.chord
-        return float(plunge.min()), float(plunge.max())
+    def _reach(self) -> Array | None:
+        first = max(0, round(self.frames - 1 - self.frames_per_beat))
+        ends = scene.stroke(self.result, np.arange(first, self.frames))
+        return None if ends is None else ends / self.chord
 
     def _field(self, name: str, index: int) -> Array:
         return self.result.frame(name, index) if name in self.variables else np.zeros(0, dtype=np.float32)
@@ -287,7 +309,3 @@ class Run:
         first = max(0, round(self.frames - 1 - self.frames_per_beat))
         picked = np.unique(np.linspace(first, self.frames - 1, SURVEYED).astype(int))
         return survey([self._read(int(index)) for index in picked])
-
-
-def _on_screen(y: Array, z: Array, scale: float) -> Array:
-    return np.stack((z * scale, -y * scale), axis=1)

@@ -51,7 +51,7 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
         f"force: 1 chord = {factor * ranges.force:g} {unit}",
         f"local force: ½ chord = {ranges.pressure:g} Pa",
         f"wing's velocity: ½ chord = {ranges.speed:g} m/s",
-        "thin line: undeformed" if several else "undeformed; stroke plane",
+        "thin line: undeformed" if several else f"undeformed{'; stroke plane' if runs[0].path is not None else ''}",
     )
     swatches = ["" if several else _swatch(css(colour)) for colour in colours]
     parts.append("<br>".join(swatch + text for swatch, text in zip(swatches, texts, strict=True)))

@@ -8,15 +8,11 @@ from .charts import WINDOWS
 from .field import BACKGROUNDS
 from .frames import Run
 from .scene import LAYERS
-from .timeline import LOOPS, SPEEDS, Playback
+from .timeline import Playback
 
 WIDTH = 250
 CHART_WIDTH = 290
 LEGEND_WIDTH = 224
-
-# viser reads each of its icons from an archive of thousands, a tenth of a second apiece.
-PLAY, PAUSE = "▶\ufe0e Play", "❚❚ Pause"
-BACK, ON, REVERSAL_BACK, REVERSAL_ON = "‹ back", "on ›", "« last", "next »"
 
 
 class Panel:
@@ -24,7 +20,7 @@ class Panel:
 
     Args:
         client: the browser.
-        run: the result whose frames the slider counts.
+        run: the result that is shown.
         playback: what the controls show at first.
         act: called with the name of what was touched and its new value.
     """
@@ -36,25 +32,11 @@ class Panel:
         gui.main_panel.dock_left()
         gui.main_panel.set_width(WIDTH)
         gui.add_html(camera.narrow())
-        self.time = gui.add_html("")
-        with gui.add_folder("Timeline"):
-            self.play = gui.add_button(PLAY)
-            self.play.on_click(lambda _: act("play", None))
-            self.frame = gui.add_slider("Frame", 0, max(run.frames - 1, 1), 1, playback.frame)
-            self._listen(self.frame, "frame")
-            for name, pair in (("One frame", (BACK, ON)), ("Reversal", (REVERSAL_BACK, REVERSAL_ON))):
-                group = gui.add_button_group(name, pair)
-                group.on_click(lambda event: act("step", event.target.value))
-            self.beat = gui.add_number("Beat", run.beats, min=1, max=run.beats, step=1)
-            self._listen(self.beat, "beat")
-            self.loop = gui.add_dropdown("Loop", LOOPS, initial_value=playback.loop)
-            self._listen(self.loop, "loop")
-            self.speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value=_speed(playback))
-            self._listen(self.speed, "speed")
-            self.follow = gui.add_checkbox(
-                "Follow the computation", playback.follow, visible=run.live, hint="show the newest frame as it comes"
-            )
-            self._listen(self.follow, "follow")
+        self.head = gui.add_html("")
+        self.follow = gui.add_checkbox(
+            "Follow the computation", playback.follow, visible=run.live, hint="show the newest frame as it comes"
+        )
+        self._listen(self.follow, "follow")
         with gui.add_folder("Scene"):
             reset = gui.add_button("Reset view")
             reset.on_click(lambda _: act("reset", None))
@@ -65,7 +47,11 @@ class Panel:
             self._listen(self.background, "background")
             self.layers = {}
             for name, (title, hint) in LAYERS.items():
-                missing = (name == "wake" and not run.has_wake) or (name == "sheets" and not run.has_sheets)
+                missing = (
+                    (name == "wake" and not run.has_wake)
+                    or (name == "sheets" and not run.has_sheets)
+                    or (name == "stroke" and run.path is None)
+                )
                 self.layers[name] = gui.add_checkbox(title, playback.layers[name], disabled=missing, hint=hint)
                 self._listen(self.layers[name], name)
             self.dark = gui.add_checkbox("Dark", playback.dark)
@@ -94,8 +80,7 @@ class Panel:
     def take(self, playback: Playback) -> None:
         """Show what somebody chose before the connection dropped."""
         choices: list[tuple[Any, Any]] = [
-            (self.loop, playback.loop), (self.speed, _speed(playback)), (self.background, playback.background),
-            (self.window, playback.window), (self.dark, playback.dark),
+            (self.background, playback.background), (self.window, playback.window), (self.dark, playback.dark),
             *((self.layers[name], shown) for name, shown in playback.layers.items()),
         ]  # fmt: skip
         for handle, choice in choices:
@@ -104,28 +89,8 @@ class Panel:
 
     def show(self, playback: Playback, headline: str) -> None:
         """Show where playback is."""
-        self.time.content = headline
-        if self.frame.value != playback.frame:
-            self.frame.value = playback.frame
-        self._mark(playback)
-
-    def _mark(self, playback: Playback) -> None:
-        label = PAUSE if playback.playing else PLAY
-        if self.play.label != label:
-            self.play.label = label
+        self.head.content = headline
         if self.follow.value != playback.follow:
             self.follow.value = playback.follow
-        beat = self._run.beat_of(playback.frame)[0]
-        if self.beat.value != beat:
-            self.beat.value = beat
-
-    def grow(self) -> None:
-        """Let the slider reach the newest frame."""
-        self.frame.max = max(self._run.frames - 1, 1)
-        self.beat.max = self._run.beats + 1
-        if not self._run.live:
-            self.follow.visible = False
-
-
-def _speed(playback: Playback) -> str:
-    return next(name for name, value in SPEEDS.items() if value == playback.speed)
+        if self.follow.visible != self._run.live:
+            self.follow.visible = self._run.live

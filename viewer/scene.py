@@ -1,6 +1,6 @@
 """One browser's scene: the wing, its wake and what acts on it, drawn flat.
 
-The scene's x is to the right (+Z of the model) and its z upwards (-Y), in chords; its y only orders the layers.
+The scene's x is to the right and its z upwards, in chords; its y only orders the layers.
 """
 
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taichiflap.drawing.palette import SHEETS
+from taichiflap.drawing.scene import stream
 from taichiflap.notation import prefixed
 
 from . import wire
@@ -225,27 +226,9 @@ class Stage:
     """What does not move: the stroke plane, the pivot's path, the scale bar; and the line that tells the time."""
 
     def __init__(self, scene: Any, run: Run, theme: Theme) -> None:
-        left, right = run.path
-        wide = max(right, 0.5) + 0.35
-        dashes = np.arange(min(left, -0.5) - 0.35, wide, 0.1)
-        plane = np.stack((dashes, np.zeros_like(dashes)), axis=1)
         screen = {"thickness_units": "screen"}
-        ends = np.array([[left, 0.0], [right, 0.0]])
-        ticks = np.concatenate([polyline(end + np.array([[0.0, -0.06], [0.0, 0.06]]), PLANE) for end in ends])
-        self.stroke = [
-            scene.add_line_segments(
-                "/stroke/plane", place(np.stack((plane, plane + np.array([0.05, 0.0])), axis=1), PLANE), theme.faint,
-                thickness=1.5, **screen,
-            ),
-            scene.add_line_segments(
-                "/stroke/pivot", np.concatenate((polyline(ends, PLANE - 0.005), ticks)), theme.faint,
-                thickness=2.5, **screen,
-            ),
-            scene.add_label(
-                "/stroke/label", "stroke plane", position=(wide + 0.05, PLANE, 0.0), anchor="center-left",
-                font_screen_scale=0.9,
-            ),
-        ]  # fmt: skip
+        self.stroke = [] if run.path is None else self._draw_stroke(scene, run.path, theme)
+        self._draw_stream(scene, run, theme)
         left, bottom, right, top = (float(edge) for edge in run.box)
         factor, unit = prefixed(run.chord, "m")
         bar = np.array([[right - 1.0, bottom + 0.1], [right, bottom + 0.1]])
@@ -260,6 +243,45 @@ class Stage:
         self.time = scene.add_label(
             "/time", " ", position=(0.5 * (left + right), FORCE, top), anchor="top-center", font_screen_scale=1.2
         )
+
+    @staticmethod
+    def _draw_stroke(scene: Any, path: Array, theme: Theme) -> list[Any]:
+        middle, way = path.mean(axis=0), path[1] - path[0]
+        length = float(np.hypot(*way))
+        along, aside = way / length, np.array([-way[1], way[0]]) / length
+        beyond = max(0.5 * length, 0.5) + 0.35
+        dashes = middle + np.outer(np.arange(-beyond, beyond, 0.1), along)
+        ticks = np.concatenate([polyline(end + np.outer((-0.06, 0.06), aside), PLANE) for end in path])
+        end = middle + (beyond + 0.05) * along
+        anchor = "center-left" if abs(along[0]) > abs(along[1]) else "bottom-center"
+        screen = {"thickness_units": "screen"}
+        return [
+            scene.add_line_segments(
+                "/stroke/plane", place(np.stack((dashes, dashes + 0.05 * along), axis=1), PLANE), theme.faint,
+                thickness=1.5, **screen,
+            ),
+            scene.add_line_segments(
+                "/stroke/pivot", np.concatenate((polyline(path, PLANE - 0.005), ticks)), theme.faint,
+                thickness=2.5, **screen,
+            ),
+            scene.add_label(
+                "/stroke/label", "stroke plane", position=place(end, PLANE), anchor=anchor, font_screen_scale=0.9,
+            ),
+        ]  # fmt: skip
+
+    @staticmethod
+    def _draw_stream(scene: Any, run: Run, theme: Theme) -> None:
+        """An arrow along the free stream, if there is one."""
+        left, top = float(run.box[0]), float(run.box[3])
+        if text := stream(run.case):
+            tail, way = np.array([[left + 0.1, top - 0.35]]), np.array([[0.8, 0.0]])
+            scene.add_line_segments(
+                "/stream/arrow", arrows(tail, way, FORCE, 0.15), theme.ink, thickness=2.0, thickness_units="screen"
+            )
+            scene.add_label(
+                "/stream/label", text, position=(left + 0.1, FORCE, top - 0.25), anchor="bottom-left",
+                font_screen_scale=0.9,
+            )  # fmt: skip
 
     def show(self, text: str, stroke: bool) -> None:
         """Tell the time; show or hide the stroke plane."""

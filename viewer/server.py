@@ -18,6 +18,7 @@ from viser import _messages
 from taichiflap.errors import UserError
 
 from . import messages
+from .bar import HEAD
 from .door import EVERYWHERE, LOCAL, Door
 
 UPDATES = 30
@@ -43,7 +44,7 @@ class Server:
 
     def __init__(self, host: str, port: int, token: bool = True) -> None:
         self.host = host
-        self.door = Door(host, token)
+        self.door = Door(host, token, HEAD)
         self._sessions: dict[int, Any] = {}
         self._gone: set[int] = set()
         self._lock = threading.Lock()
@@ -147,6 +148,22 @@ class Server:
             call(*arguments)
         except (RuntimeError, OSError):
             return
+
+
+def announce(server: Server, port: int) -> None:
+    """Print where a server is to be found, and warn if others find it too.
+
+    Args:
+        port: the one that was asked for.
+    """
+    if server.port != port:
+        print(f"port {port} is taken")
+    for address in server.far_addresses:
+        print(address)
+    if server.far_addresses:
+        whoever = "whoever has its address" if server.door.token else "anybody"
+        print(f"warning: other machines reach this viewer: {whoever} sees what it shows", file=sys.stderr)
+    print(f"{server.address}  (Ctrl-C stops)", flush=True)
 
 
 def notice(text: str) -> str:

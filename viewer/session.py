@@ -11,19 +11,20 @@ from taichiflap.errors import UserError
 
 from . import camera, compare, timeline
 from .background import AHEAD, Background
+from .bar import Bar
 from .charts import Charts, caption
 from .colours import theme
 from .field import NONE, Fields
 from .frames import Run
 from .legend import legend
 from .paint import paint
-from .panel import BACK, ON, REVERSAL_ON, Panel
-from .scene import default_layers, set_up
+from .panel import Panel
+from .scene import Actor, Stage, default_layers, set_up
 from .server import notice
 from .timeline import Playback
 
 BESIDE_SECONDS = 0.12
-"""What stands beside the scene, the charts' dots and the slider, moves no more often than this while playing."""
+"""What stands beside the scene, the charts' dots, moves no more often than this while playing."""
 
 NOT_LOCKED = "This version of viser lets the view turn; “Reset view” turns it back."
 
@@ -59,7 +60,8 @@ class Session:
         with client.atomic():
             self._set_theme()
             self.panel = Panel(client, self.run, playback, self.act)
-            self.charts = Charts(client.gui, self.panel.chart_tab, self.runs, playback)
+            self.bar = Bar(client, self.run, self.act)
+            self.charts = self._make_charts(playback)
             self._build()
             self.view = camera.View(client, self.run.box)
         if not camera.lock_rotation(client):
@@ -75,7 +77,7 @@ class Session:
             self.panel.take(playback)
             if playback.dark != dark:
                 self._darken(playback.dark)
-            self.charts.show(playback)
+            self.charts.show(playback, playback.frame)
             self.show()
 
     def tick(self, seconds: float) -> None:
@@ -89,14 +91,14 @@ class Session:
         """Take notice of new frames, or of a file that is gone."""
         with self._lock, self.client.atomic():
             self._beside = 0.0
-            self.panel.grow()
+            self.bar.tell(self.run)
             if self.playback.follow:
                 self.playback.position = float(self.run.frames - 1)
                 self.playback.follow = self.run.live
             if self._surveys != [run.surveys for run in self.runs]:
                 self._build()
                 self.view.fit(self.run.box)
-            self.charts.show(self.playback, again=True)
+            self.charts.show(self.playback, self.playback.frame, again=True)
             self.show()
 
     def show(self) -> None:
@@ -106,7 +108,7 @@ class Session:
                 self._show(self.playback.frame)
             except (OSError, UserError):
                 if any(run.trouble for run in self.runs):
-                    self.panel.time.content = self._headline("")
+                    self.panel.head.content = self._headline()
 
     def _show(self, index: int) -> None:
         kind, coming = self.playback.background if self.run.draws_flow else NONE, []
@@ -115,15 +117,16 @@ class Session:
             index, coming = step(index), [step(one) for one in timeline.coming(self.run, self.playback, stride, AHEAD)]
         for actor in self.actors:
             here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
-            actor.show(here, self.playback.layers)
+            actor.show(here, self._layers(actor))
         self.background.show(kind, index, self.theme, coming)
         text = self.run.frame(index).text
         self.stage.show(text, self.playback.layers["stroke"])
+        self.bar.show(self.run, self.playback, index, f"{text}   {self._milliseconds(index)}")
         now = time.monotonic()
         if not self.playback.playing or now - self._beside > BESIDE_SECONDS:
             self._beside = now
-            self.charts.show(self.playback)
-            self.panel.show(self.playback, self._headline(text))
+            self.charts.show(self.playback, index)
+            self.panel.show(self.playback, self._headline())
 
     def act(self, name: str, value: Any) -> None:
         """Do what a control asks for."""
@@ -133,8 +136,6 @@ class Session:
                 playback.layers[name] = bool(value)
             elif name in ("loop", "window", "background"):
                 setattr(playback, name, value)
-            elif name == "frame":
-                timeline.seek(self.run, playback, int(value))
             else:
                 self._deeds[name](self, value)
             if name == "background":
@@ -145,20 +146,27 @@ class Session:
         self.playback.playing = not self.playback.playing
         self.playback.follow = False
 
-    def _step(self, which: str) -> None:
-        if which in (BACK, ON):
-            timeline.step(self.run, self.playback, 1 if which == ON else -1)
-        else:
-            frame = timeline.next_reversal(self.run, self.playback, which == REVERSAL_ON)
-            if frame is not None:
-                timeline.seek(self.run, self.playback, frame)
+    def _seek(self, frame: float) -> None:
+        timeline.seek(self.run, self.playback, round(frame))
 
-    def _choose_beat(self, number: int) -> None:
-        playing = self.playback.playing
-        timeline.seek(self.run, self.playback, self.run.index_at(int(number) - 1))
-        self.playback.playing = playing
-        if self.playback.loop == timeline.LAST_BEAT:
-            self.playback.loop = self.panel.loop.value = timeline.THIS_BEAT
+    def _skip(self, frames: float) -> None:
+        timeline.step(self.run, self.playback, round(frames))
+
+    def _go_to_edge(self, edge: float) -> None:
+        timeline.seek(self.run, self.playback, self.run.frames - 1 if edge else 0)
+
+    def _go_to_reversal(self, way: float) -> None:
+        frame = timeline.next_reversal(self.run, self.playback, way > 0)
+        if frame is not None:
+            timeline.seek(self.run, self.playback, frame)
+
+    def _go_to_time(self, beats: float) -> None:
+        timeline.seek(self.run, self.playback, self.run.index_at(beats))
+
+    def _set_range(self, ends: tuple[float, float]) -> None:
+        first, last = (min(max(round(end), 0), self.run.frames - 1) for end in ends)
+        if first < last:
+            self.playback.range, self.playback.loop = (first, last), timeline.RANGE
 
     def _set_speed(self, name: str) -> None:
         self.playback.speed = timeline.SPEEDS[name]
@@ -180,8 +188,12 @@ class Session:
 
     _deeds: dict[str, Callable[["Session", Any], None]] = {  # noqa: RUF012 - the same for all
         "play": _play,
-        "step": _step,
-        "beat": _choose_beat,
+        "frame": _seek,
+        "skip": _skip,
+        "edge": _go_to_edge,
+        "reversal": _go_to_reversal,
+        "beats": _go_to_time,
+        "range": _set_range,
         "speed": _set_speed,
         "follow": _set_follow,
         "reset": _reset_view,
@@ -201,27 +213,40 @@ class Session:
         scene.reset()
         self._surveys = [run.surveys for run in self.runs]
         self.background.forget()
-        self.stage, self.actors = set_up(scene, self.runs, self.theme)
-        self.panel.caption.content = caption(self.runs)
+        self.stage, self.actors = self._set_up()
+        self.panel.caption.content = self._caption()
         if len(self.runs) > 1:
             self.panel.differences.content = compare.table(self.runs[0], self.runs[1])
             self.panel.differences.visible = True
         self._tell_legend()
         self.show()
 
+    def _make_charts(self, playback: Playback) -> Charts:
+        return Charts(self.client.gui, self.panel.chart_tab, self.runs, playback)
+
+    def _caption(self) -> str:
+        return caption(self.runs)
+
+    def _set_up(self) -> tuple[Stage, list[Actor]]:
+        return set_up(self.client.scene, self.runs, self.theme)
+
+    def _layers(self, _: Actor) -> dict[str, bool]:
+        return self.playback.layers
+
     def _tell_legend(self) -> None:
         shown = self.background.bar(self.playback.background, self.theme)
         self.panel.legend.content = legend(self.runs, self.theme, shown)
 
-    def _headline(self, text: str) -> str:
-        milliseconds = 1e3 * self.run.case.step * float(self.run.case.step_of(self.playback.frame))
+    def _milliseconds(self, frame: int) -> str:
+        return f"{1e3 * self.run.case.step * float(self.run.case.step_of(frame)):.2f} ms"
+
+    def _headline(self) -> str:
         state = {"running": "being computed", "failed": f"failed: {escape(self.run.reason)}"}.get(self.run.status, "")
         trouble = "".join(notice(run.trouble) for run in self.runs)
         several = len(self.runs) > 1
         title = " against ".join(escape(run.label if several else run.title) for run in self.runs)
         model = " against ".join(run.case.model for run in self.runs)
         return (
-            f'<div data-time style="padding:2px 12px 6px 4px;line-height:1.45"><b>{title}</b><br>'
-            f"{model}{', ' + state if state else ''}<br>{text.replace('   ', ', ')}, {milliseconds:.2f} ms</div>"
-            f"{trouble}"
+            f'<div data-head style="padding:2px 12px 6px 4px;line-height:1.45"><b>{title}</b><br>'
+            f"{model}{', ' + state if state else ''}</div>{trouble}"
         )

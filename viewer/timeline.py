@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from .frames import Run
 
-LAST_BEAT, THIS_BEAT, ALL = LOOPS = ("last beat", "this beat", "whole run")
+LAST_BEAT, THIS_BEAT, ALL, RANGE = LOOPS = ("last beat", "this beat", "whole run", "range")
 SPEEDS = {"1/16 beat a second": 0.0625, "1/8 beat a second": 0.125, "1/4 beat a second": 0.25,
           "1/2 beat a second": 0.5, "1 beat a second": 1.0, "2 beats a second": 2.0}  # fmt: skip
 
@@ -17,6 +17,7 @@ class Playback:
     Attributes:
         position: in frames, with the fraction that has passed of the next.
         speed: beats a second.
+        range: first and last frame of the loop named so.
         follow: stay at the newest frame of a run that is still being computed.
         layers: names of the layers that are hidden or shown against their default.
     """
@@ -25,6 +26,7 @@ class Playback:
     playing: bool = False
     speed: float = 0.25
     loop: str = LAST_BEAT
+    range: tuple[int, int] = (0, 0)
     follow: bool = False
     dark: bool = False
     background: str = "none"
@@ -46,6 +48,8 @@ def span(run: Run, playback: Playback) -> tuple[int, int]:
     """First and last frame of what the loop goes round."""
     if playback.loop == ALL:
         return 0, run.frames - 1
+    if playback.loop == RANGE and playback.range[0] < playback.range[1] < run.frames:
+        return playback.range
     number = run.beats if playback.loop == LAST_BEAT else run.beat_of(playback.frame)[0]
     return beat_span(run, number)
 
@@ -75,6 +79,11 @@ def seek(run: Run, playback: Playback, frame: int) -> None:
     """Stop at a frame, or at the nearest that there is."""
     playback.playing = playback.follow = False
     playback.position = float(min(max(frame, 0), run.frames - 1))
+
+
+def speed_name(playback: Playback) -> str:
+    """What the menu calls the speed."""
+    return next(name for name, value in SPEEDS.items() if value == playback.speed)
 
 
 def next_reversal(run: Run, playback: Playback, forward: bool) -> int | None:

@@ -1,8 +1,4 @@
-"""What a drawing shows of a result: its last beats, seen from the wing tip, with stroke to the right and up upwards.
-
-On the page a point (Y, Z) stands at (Z, -Y). That turns the plane without mirroring it, so counter-clockwise
-circulation still turns counter-clockwise.
-"""
+"""What a drawing shows of a result: its last beats, seen from the wing tip, turned as `orientation` says."""
 
 import math
 from dataclasses import dataclass
@@ -10,12 +6,13 @@ from pathlib import Path
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..errors import UserError
 from ..notation import printable
 from ..results.reader import Result
+from .orientation import Orientation
 from .palette import rounded_up, symmetric_limit
 
 Array = NDArray[np.float64]
@@ -28,6 +25,8 @@ MARGIN = 0.3
 """Free space around what is drawn, chords."""
 FAR, FAR_IN_STREAM = 5.0, 12.0
 """The page ends so many chords from the wing, lest a wake of many beats leave nothing of the wing to be seen."""
+STILL = 1e-6
+"""A pivot that moves by less than so many chords has no stroke."""
 REACH = 1.0
 """Length of the arrow of the largest force, chords."""
 
@@ -133,13 +132,9 @@ def _within(result: Result, time: Array, beats: int) -> NDArray[np.intp]:
     return np.flatnonzero((turns >= first - 1e-9) & (turns <= whole + 1e-9))
 
 
-def on_page(y: ArrayLike, z: ArrayLike) -> Array:
-    """Inertial components as coordinates on the page, shape (..., 2)."""
-    return np.stack((np.asarray(z, dtype=float), -np.asarray(y, dtype=float)), axis=-1)
-
-
 def frame(result: Result, index: int) -> Frame:
     """One frame of a result, read without the others."""
+    on_page = Orientation.of(result.case).on_page
     nodes = result.frame("node_position", index)
     wake = result.wake(index)
     pitch = float(result.frame("pitch", index))
@@ -204,10 +199,22 @@ def when(case: Case, beats: float) -> str:
     return f"t/T = {beats % 1.0:.3f}" if case.periodic else f"t = {1e3 * beats * case.beat:.4g} ms"
 
 
-def sway(result: Result, frames: NDArray[np.intp]) -> tuple[float, float]:
-    """How far the pivot goes along the stroke in some frames, m."""
-    plunge = result.plunge[result.case.step_of(frames)]
-    return float(plunge.min()), float(plunge.max())
+def stroke(result: Result, frames: NDArray[np.intp]) -> Array | None:
+    """Both ends of the pivot's way in some frames, on the page, m, shape (2, 2); None if it stays where it is."""
+    steps = result.case.step_of(frames)
+    surge = result.surge[steps] if "surge" in result.variables else np.zeros(len(steps))
+    way = Orientation.of(result.case).on_page(surge, result.plunge[steps])
+    travel = np.ptp(way, axis=0)
+    if travel.max() <= STILL * result.case.wing.chord:
+        return None
+    along = way[:, int(np.argmax(travel))]
+    return way[[int(np.argmin(along)), int(np.argmax(along))]]
+
+
+def stream(case: Case) -> str:
+    """The free stream in words; nothing where there is none."""
+    speed = math.hypot(*case.fluid.velocity)
+    return f"U = {speed:.3g} m/s" if speed else ""
 
 
 def slow_down(case: Case, seconds_per_beat: float) -> float:

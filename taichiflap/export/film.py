@@ -98,7 +98,7 @@ class Film:
         stride = math.ceil(len(stored) / beats / most)
         self.frames = [scene.frame(result, int(index)) for index in stored[::stride]]
         self._case = result.case
-        self._sway = scene.sway(result, stored)
+        self._stroke = scene.stroke(result, stored)
         self.chord = result.case.wing.chord
         self.shared = scene.bounds(self.frames, result.case)
         self.dotted = any(len(frame.wake) for frame in self.frames)
@@ -195,8 +195,10 @@ class Film:
         )
         # A long title shrinks until it fits a narrow page.
         head.set_fontsize(11 * min(1.0, 0.97 * figure.bbox.width / head.get_window_extent().width))
-        axes.plot(self._sway, [0.0, 0.0], color=self.theme.muted, linewidth=0.8, linestyle=(0, (5, 4)))
+        if self._stroke is not None:
+            axes.plot(*self._stroke.T, color=self.theme.muted, linewidth=0.8, linestyle=(0, (5, 4)))
         left, _, bottom, top = self.shared.page
+        self._draw_stream(left + 0.25 * chord, top - 0.3 * chord)
         start, base = left + 0.25 * chord, bottom + 0.2 * chord
         axes.plot([start, start + chord], [base, base], color=self.theme.ink, linewidth=2.0, solid_capstyle="butt")
         axes.annotate(
@@ -215,6 +217,14 @@ class Film:
         axes.annotate(force, at, (0, 8), textcoords="offset points", fontsize=11, color=self.theme.ink)
         if self.dotted:
             self._draw_legend(right, width, height)
+
+    def _draw_stream(self, x: float, y: float) -> None:
+        """An arrow along the free stream, if there is one."""
+        if text := scene.stream(self._case):
+            self._axes.annotate(
+                "", (x + self.chord, y), (x, y), arrowprops={"arrowstyle": "->", "color": self.theme.ink, "shrinkA": 0}
+            )
+            self._axes.annotate(text, (x, y), (0, 6), textcoords="offset points", fontsize=11, color=self.theme.ink)
 
     def _draw_legend(self, right: float, width: float, height: float) -> None:
         bar = self._figure.add_axes((right + 44 / width, 0.24, 18 / width, 0.5))

@@ -66,13 +66,14 @@ def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], 
 def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], per_beat: float) -> str:
     case = result.case
     steps = case.step_of(indices)
-    shared = scene.bounds(frames, case)
+    shared, way = scene.bounds(frames, case), scene.stroke(result, indices)
     loaded = not any(len(frame.wake) for frame in frames)
     data = {
         "chord": case.wing.chord,
         "beat": case.beat,
         "periodic": case.periodic,
-        "sway": scene.sway(result, indices),
+        "stroke": None if way is None else way.tolist(),
+        "stream": scene.stream(case),
         "first": frames[0].beats,
         "per_beat": per_beat,
         "page": shared.page,

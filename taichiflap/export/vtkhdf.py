@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import files
-from ..drawing import scene
+from ..drawing.orientation import Orientation
 from ..results import hdf
 from ..results.reader import Result
 
@@ -61,8 +61,8 @@ def _piece(result: Result, index: int) -> dict[str, NDArray[Any]]:
     nodes = result.frame("node_position", index)
     vortices, panels = len(wake["y"]), len(nodes) - 1
     points = np.zeros((vortices + panels + 1, 3), "f4")
-    points[:vortices, :2] = scene.on_page(wake["y"], wake["z"])
-    points[vortices:, :2] = scene.on_page(nodes[:, 0], nodes[:, 1])
+    points[:vortices, :2] = Orientation().on_page(wake["y"], wake["z"])
+    points[vortices:, :2] = Orientation().on_page(nodes[:, 0], nodes[:, 1])
     step = round(float(result.frame("time", index)) / result.case.step)
     left = np.arange(vortices, vortices + panels)
     cells = {

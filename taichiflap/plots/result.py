@@ -166,8 +166,12 @@ def wing(result: Result, sheets: bool = False) -> Figure:
             ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
             ax.set_title(scene.when(result.case, round(frame.beats, 6)), fontsize=8, pad=3)
             arrows = (_draw_load if dots is None else _draw_force)(ax, frame, shared, chord, size)
-        figure.supxlabel("Along the stroke, Z (mm)", fontsize=8)
-        figure.supylabel("Up, −Y (mm)", fontsize=8)
+        streams = scene.stream(result.case)
+        across, up = ("Along the stream", "Lift up") if streams else ("Along the stroke, Z", "Up, −Y")
+        figure.supxlabel(f"{across} (mm)", fontsize=8)
+        figure.supylabel(f"{up} (mm)", fontsize=8)
+        if streams:
+            _draw_stream(axes.flat[0], streams)
         if dots is None:
             text, size = f"{shared.traction:g} Pa, force of the fluid per area", shared.traction
         else:
@@ -265,6 +269,14 @@ def _mark_shedding(ax: Any, turns: np.ndarray, sheds: np.ndarray, number: int) -
     low = 0.025 * number
     colour, over = palette.SHEETS[1], ax.get_xaxis_transform()
     ax.fill_between(turns, low, low + 0.02, where=sheds, transform=over, color=colour, linewidth=0.0, zorder=1)
+
+
+def _draw_stream(ax: Any, text: str) -> None:
+    """An arrow along the free stream, in the upper left corner."""
+    end, tail = (0.24, 0.92), (0.04, 0.92)
+    look = {"arrowstyle": "->", "shrinkA": 0, "shrinkB": 0, "linewidth": 0.8}
+    ax.annotate("", end, tail, "axes fraction", "axes fraction", arrowprops=look)
+    ax.annotate(text, (0.04, 0.9), xycoords="axes fraction", va="top", fontsize=7)
 
 
 def _draw_wake(ax: Any, frame: scene.Frame, shared: scene.Bounds, size: float, many: bool, sheets: bool) -> Any:

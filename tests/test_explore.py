@@ -1,0 +1,178 @@
+"""Explore: keys as controls, a worker that many browsers share, and a page that follows its sliders."""
+
+import contextlib
+import math
+import threading
+import time
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+import viser
+from conftest import CASES, hawkmoth
+from taichiflap_viewer.explore.keys import CHOICE, FIRST, NUMBER, SWITCH, WHOLE, controls, value_of
+from taichiflap_viewer.explore.session import BEATS, brief, short_text
+from taichiflap_viewer.explore.viewer import Explorer
+from taichiflap_viewer.explore.worker import Worker
+from test_viewer import CAMERA
+from websockets.sync.client import connect
+
+import taichiflap
+from taichiflap.case.case import CaseError, load_case
+
+SMALL = ("solver=dbet", "time.periods=2", "time.steps_per_period=40", "dbet.elements=8")
+
+
+@pytest.mark.parametrize("name", ["hawkmoth", "hawkmoth_dbet", "graded_wing", "plunging_foil", "tabulated_stroke"])
+def test_every_control_holds_the_value_of_the_case_and_stays_within_what_it_may_say(name):
+    case = load_case(CASES / f"{name}.toml")
+    found = controls(case)
+    keys = [one.key for one in found]
+    assert len(set(keys)) == len(keys)
+    assert keys[: len([key for key in FIRST if key in keys])] == [key for key in FIRST if key in keys]
+    for one in found:
+        assert value_of(case, one.key) == one.value
+        if one.kind == CHOICE:
+            assert one.value in one.options
+        if one.kind in (NUMBER, WHOLE):
+            assert one.meant(one.shown(one.value)) == pytest.approx(one.value, rel=1e-11)
+            low, high, step = one.slider()
+            assert low < high
+            assert step > 0
+            for end in (low, high):
+                value = one.meant(end)
+                with contextlib.suppress(CaseError):
+                    assert value_of(case.changed({one.key: value}), one.key) == value
+                assert one.low - 1e-9 <= value <= one.high * (1 + 1e-9) + 1e-9
+
+
+def test_what_matters_is_shown_in_units_that_suit_it():
+    found = {one.key: one for one in controls(hawkmoth())} | {one.key: one for one in controls(hawkmoth("solver=dbet"))}
+    modulus = found["wing.youngs_modulus"]
+    assert (modulus.label, modulus.shown(24.5e9)) == ("Youngs modulus, GPa", pytest.approx(24.5))
+    assert found["motion.pitch.amplitude_deg"].slider()[:2] == (0.0, 90.0)
+    assert found["motion.plunge.amplitude"].label == "Plunge amplitude, mm"
+    assert found["solver"].options[:2] == ("dbet", "uvlm")
+    assert found["dbet.added_mass"].kind == SWITCH
+    assert "title" not in found
+    assert not any(math.isinf(end) for one in found.values() if one.kind in (NUMBER, WHOLE) for end in one.slider())
+
+
+def test_an_explored_case_has_a_few_beats_and_its_settings_lead_back_to_it():
+    case = hawkmoth("time.periods=15")
+    assert brief(case).time.periods == BEATS
+    assert brief(hawkmoth("time.periods=2")).time.periods == 2
+    for key, value in (("wing.youngs_modulus", 1.5e10), ("dbet.added_mass", False), ("solver", "dbet")):
+        assert value_of(case.override(f"{key}={short_text(value)}"), key) == value
+
+
+class Browser:
+    """What a browser hears from the worker."""
+
+    def __init__(self, shared):
+        self.heard, self.shared = {}, shared
+        self.place = shared.enlist(lambda number, *answer: self.heard.update({number: answer}))
+
+    def ask(self, case):
+        return self.shared.ask(self.place, case)
+
+    def wait(self, number):
+        end = time.monotonic() + 60.0
+        while number not in self.heard:
+            assert time.monotonic() < end
+            time.sleep(0.005)
+        return self.heard[number]
+
+
+@pytest.mark.slow
+def test_the_worker_computes_what_simulate_does_and_gives_up_what_nobody_wants(monkeypatch):
+    case = hawkmoth(*SMALL)
+    shared = Worker(case, threads=1)
+    try:
+        first, second = Browser(shared), Browser(shared)
+        path, reason, seconds = first.wait(first.ask(case))
+        assert (reason, seconds > 0.0) == ("", True)
+        with taichiflap.open_result(path) as found, taichiflap.simulate(case, threads=1) as expected:
+            np.testing.assert_array_equal(found.force_z, expected.force_z)
+        # A case that cannot be computed is a sentence, and the worker goes on.
+        broken = case.changed({"wing.youngs_modulus": 1.0, "fluid.density": 0.0, "motion.frequency": 100.0})
+        first.wait(first.ask(broken))
+        # Of many wishes of one browser the first and the last at least are answered; another browser waits its turn.
+        long = hawkmoth("solver=dbet", "time.periods=60", "time.steps_per_period=400")
+        numbers = [first.ask(long.changed({"wing.damping_ratio": 0.01 * k})) for k in range(1, 6)]
+        other = second.ask(case)
+        path, reason, _ = second.wait(other)
+        assert path is not None
+        last = first.ask(case)
+        path, reason, _ = first.wait(last)
+        assert path is not None
+        assert sum(number in first.heard for number in numbers) < len(numbers)
+    finally:
+        shared.close()
+    assert not shared.alive
+
+
+@pytest.mark.slow
+def test_a_browser_changes_its_own_case(tmp_path, capfd):
+    (tmp_path / "case.toml").write_text(hawkmoth(*SMALL).to_toml())
+    explorer = Explorer(tmp_path / "case.toml", ["wing.modes=1"], threads=1, port=18800)
+    folder = Path(explorer.worker._folder.name)
+    try:
+        with contextlib.ExitStack() as stack:
+            for _ in range(2):
+                address = explorer.address.replace("http", "ws", 1)
+                page = stack.enter_context(
+                    connect(address, subprotocols=[f"viser-v{viser.__version__}"], max_size=None, proxy=None)
+                )
+                page.send(msgspec.msgpack.encode(CAMERA))
+                threading.Thread(target=lambda page=page: [None for _ in page], daemon=True).start()
+            until(lambda: len(explorer.sessions) == 2)
+            one, other = explorer.sessions
+            until(lambda: one._started and other._started)
+            before = one.run
+            one._change({"wing.youngs_modulus": 12e9}, "wing.youngs_modulus")
+            until(lambda: one.run is not before)
+            assert (one.run.case.wing.youngs_modulus, other.run.case.wing.youngs_modulus) == (12e9, 24.5e9)
+            with taichiflap.simulate(one.case, threads=1) as expected:
+                np.testing.assert_array_equal(one.run.result.force_z, expected.force_z)
+            assert one.pinned is before
+            assert "youngs_modulus=12000000000.0" in one._line.content
+            assert "+" in one._numbers.content or "-" in one._numbers.content
+            # Refused values are told, and change nothing.
+            one._change({"wing.chord": -1.0}, "wing.chord")
+            assert "data-notice" in one._message.content
+            assert one.case.wing.chord == 0.02
+            # Undo and redo.
+            shown = one.run
+            one._undo()
+            until(lambda: one.run is not shown)
+            assert one.run.case.wing.youngs_modulus == 24.5e9
+            shown = one.run
+            one._redo()
+            until(lambda: one.run is not shown)
+            assert one.run.case.wing.youngs_modulus == 12e9
+            # Another model, other modes, a stream: the scene is built anew.
+            for values in ({"wing.modes": 0}, {"fluid.velocity": (1.0, 0.0)}, {"solver": "uvlm", "uvlm.panels": 8}):
+                shown = one.run
+                one._change(values, "wing.modes")
+                until(lambda shown=shown: one.run is not shown)
+            assert one.run.has_wake
+            one._pin()
+            assert one.pinned is one.run
+            one._take_preset("hawkmoth_dbet")
+            until(lambda: one.run.case.title != one.pinned.case.title or one.run is not one.pinned)
+            one._find("added mass")
+            assert one._handles["dbet.added_mass"][0].visible
+        until(lambda: not explorer.sessions)
+    finally:
+        explorer.stop()
+    assert "Traceback" not in capfd.readouterr().err
+    assert not folder.exists()
+
+
+def until(condition):
+    end = time.monotonic() + 90.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
