@@ -36,6 +36,9 @@ from websockets.sync.client import connect
 import taichiflap
 from taichiflap.results.hdf import rewrite
 
+# viser says so when a page leaves while it is being told something; the viewer hides it from its users.
+pytestmark = pytest.mark.filterwarnings("ignore:Queued a .*:UserWarning")
+
 PROTOCOL = f"viser-v{viser.__version__}"
 
 
