@@ -586,7 +586,7 @@ def test_a_slider_is_moved_and_the_wing_answers(look):
         ghost = floats(page, "/pinned/wing").reshape(-1, 2, 3)
         frame = explorer.run.frame(explorer.run.index_at(session.run.turns(session.playback.frame)))
         np.testing.assert_allclose(ghost[:, 0, 0], frame.nodes[:-1, 0], atol=1e-6)
-        box = page.get_by_label("Search")
+        box = page.locator(".mantine-TextInput-input").last
         box.fill("added mass")
         page.get_by_text("Added mass", exact=True).wait_for()
         with page.expect_download() as saved:
