@@ -251,6 +251,16 @@ def test_a_growing_file_is_followed_to_its_final_name(tmp_path, run):
         assert reader.stdout.readline() == f"401 complete {len(result.wake(400)['y'])}\n"
 
 
+def test_a_growing_run_tells_how_far_it_is_and_how_long_it_takes(run, monkeypatch):
+    monkeypatch.setattr(run, "steps", 101)
+    monkeypatch.setattr(run, "_first_seen", (1, time.monotonic() - 20.0))
+    assert run.progress == "25 %, 60 s left"
+    monkeypatch.setattr(run, "_first_seen", (1, time.monotonic() - 200.0))
+    assert run.progress == "25 %, 10 min left"
+    monkeypatch.setattr(run, "_first_seen", (100, time.monotonic() - 20.0))
+    assert run.progress == "25 %"
+
+
 def test_a_half_written_block_is_not_shown(tmp_path, run):
     """The frames that count are those of which every variable is there."""
     result = run.result

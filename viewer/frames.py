@@ -5,6 +5,7 @@ Nothing else of the viewer touches the file. Frames are kept in a small cache th
 
 import contextlib
 import threading
+import time
 from collections import OrderedDict
 
 import numpy as np
@@ -77,6 +78,7 @@ class Run:
         self._model = fluids.known(self.case.solver)
         self.draws_flow = self._model is not None and self._model.draws_flow
         self._load()
+        self._first_seen = self.steps, time.monotonic()
 
     def _load(self) -> None:
         self.frames = self.result.frames
@@ -97,6 +99,16 @@ class Run:
     def live(self) -> bool:
         """Whether more frames may come."""
         return self.status == "running"
+
+    @property
+    def progress(self) -> str:
+        """How far a growing run is, and how long it will take at the pace that was seen."""
+        done, seconds = self.steps - self._first_seen[0], time.monotonic() - self._first_seen[1]
+        share = f"{100 * (self.steps - 1) // self.case.steps} %"
+        if done < self.case.steps / 100 or seconds < 1.0:
+            return share
+        left = seconds * (self.case.steps + 1 - self.steps) / done
+        return f"{share}, {left:.0f} s left" if left < 100.0 else f"{share}, {left / 60.0:.0f} min left"
 
     @property
     def beats(self) -> int:

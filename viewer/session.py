@@ -241,7 +241,8 @@ class Session:
         return f"{1e3 * self.run.case.step * float(self.run.case.step_of(frame)):.2f} ms"
 
     def _headline(self) -> str:
-        state = {"running": "being computed", "failed": f"failed: {escape(self.run.reason)}"}.get(self.run.status, "")
+        failed = f"failed: {escape(self.run.reason)}"
+        state = {"running": f"being computed, {self.run.progress}", "failed": failed}.get(self.run.status, "")
         trouble = "".join(notice(run.trouble) for run in self.runs)
         several = len(self.runs) > 1
         title = " against ".join(escape(run.label if several else run.title) for run in self.runs)
