@@ -7,9 +7,15 @@ lowest. The wheel goes into them; the source archive into one more of the first 
 so this is no part of the tests: `make package` runs it.
 """
 
+import contextlib
+import gzip
+import hashlib
+import io
+import os
 import shutil
 import subprocess
 import sys
+import tarfile
 import tempfile
 import tomllib
 from pathlib import Path
@@ -37,16 +43,66 @@ def run(*command, cwd=None):
 
 
 def build(folder):
-    """The wheel and the source archive."""
+    """The wheel and the source archive, the same bytes from the same commit wherever they are built."""
     # In a copy: what an earlier build has left behind would go into the wheel.
     tracked = run("git", "ls-files", "--cached", "--others", "--exclude-standard", cwd=ROOT).splitlines()
     for name in filter(lambda name: (ROOT / name).is_file(), tracked):
         place = folder / "source" / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, place)
-    run(sys.executable, "-m", "build", "--outdir", folder / "dist", folder / "source")
+        shutil.copyfile(ROOT / name, place)
+    # Nothing of the machine: neither its modes and its owner nor its clock.
+    when = os.environ.get("SOURCE_DATE_EPOCH") or run("git", "log", "-1", "--format=%ct", cwd=ROOT).strip()
+    for place in ((folder / "source"), *(folder / "source").rglob("*")):
+        place.chmod(0o755 if place.is_dir() else 0o644)
+    with at(when):
+        run(sys.executable, "-m", "build", "--outdir", folder / "dist", folder / "source")
     (wheel,), (archive,) = (folder / "dist").glob("*.whl"), (folder / "dist").glob("*.tar.gz")
+    normalise(archive, int(when))
     return wheel, archive
+
+
+@contextlib.contextmanager
+def at(when):
+    """The time of the commit, as builders take it, and no mask of the user's."""
+    mask, before = os.umask(0o022), os.environ.get("SOURCE_DATE_EPOCH")
+    os.environ["SOURCE_DATE_EPOCH"] = when
+    try:
+        yield
+    finally:
+        os.umask(mask)
+        os.environ.pop("SOURCE_DATE_EPOCH")
+        if before is not None:
+            os.environ["SOURCE_DATE_EPOCH"] = before
+
+
+def normalise(archive, when):
+    """Write a source archive anew: sorted, of nobody, of one time; setuptools keeps the builder's."""
+    with tarfile.open(archive) as file:
+        members = sorted(file.getmembers(), key=lambda member: member.name)
+        contents = [file.extractfile(member).read() if member.isfile() else None for member in members]
+    with (
+        open(archive, "wb") as raw,
+        gzip.GzipFile("", "wb", mtime=when, fileobj=raw) as packed,
+        tarfile.open(fileobj=packed, mode="w", format=tarfile.PAX_FORMAT) as file,
+    ):
+        for member, content in zip(members, contents, strict=True):
+            clean = tarfile.TarInfo(member.name)
+            clean.type, clean.mtime, clean.mode = member.type, when, 0o755 if member.isdir() else 0o644
+            clean.size = len(content or b"")
+            file.addfile(clean, io.BytesIO(content) if content is not None else None)
+
+
+def check_same(wheel, archive, folder):
+    """A second build, elsewhere and with another mask, gives the same bytes."""
+    mask = os.umask(0o077)
+    try:
+        again = build(folder)
+    finally:
+        os.umask(mask)
+    for one, other in zip((wheel, archive), again, strict=True):
+        if one.read_bytes() != other.read_bytes():
+            sys.exit(f"{one.name}: two builds differ")
+    print("two builds: the same bytes, sha256", *(hashlib.sha256(one.read_bytes()).hexdigest()[:16] for one in again))
 
 
 def lowest(version):
@@ -74,6 +130,7 @@ def main(pythons):
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         wheel, archive = build(folder)
+        check_same(wheel, archive, folder / "again")
         print(f"{wheel.name} {wheel.stat().st_size / 1e3:.0f} kB, {archive.name} {archive.stat().st_size / 1e3:.0f} kB")
         for python in pythons:
             version = run(python, "-c", "import sys; print('%d.%d' % sys.version_info[:2])").strip()
