@@ -32,6 +32,11 @@ def main() -> None:
     standard_streams.settle()
     try:
         app()
+    except (MemoryError, ImportError) as error:
+        if isinstance(error, ImportError) and "cannot allocate" not in str(error) and "failed to map" not in str(error):
+            raise
+        print("error: out of memory: a limit of this process (ulimit -v), or of this machine", file=sys.stderr)
+        sys.exit(1)
     except UserError as error:
         for line in str(error).splitlines():
             print(f"error: {printable(line)}", file=sys.stderr)

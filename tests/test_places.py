@@ -98,13 +98,15 @@ def foreign():
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("home", [None, "/", "/root"])
 def test_a_user_without_a_name_has_all_commands(command, home, tmp_path_factory, whole):
+    try:
+        subprocess.run([sys.executable, "-c", "import taichi"], preexec_fn=foreign, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("Python itself is not for every user here")
     folder = Path(subprocess.run(["mktemp", "-d"], capture_output=True, text=True, check=True).stdout.strip())
     (folder / "whole.h5").write_bytes(whole.read_bytes())
     os.chown(folder, 54321, 54321)
     try:
         code, _, said = run(COMMANDS[command], folder, foreign, HOME=home, TMPDIR=str(folder), USER=None)
-        if "Permission denied" in said and "site-packages" in said:
-            pytest.skip("the packages here are root's own")
         assert (code, "Traceback" in said) == (0, False), said
     finally:
         subprocess.run(["rm", "-rf", str(folder)], check=True)
@@ -229,6 +231,6 @@ def test_two_writers_do_not_share_a_file_without_hdf5s_lock(variable, tmp_path, 
 @pytest.mark.parametrize("megabytes", [300, 600, 1000])
 def test_too_little_memory_is_a_sentence(megabytes, tmp_path):
     code, _, said = run(SIMULATE, tmp_path, limited(megabytes * 2**20))
-    assert code in (0, 1, 2), said
-    assert "Traceback" not in said
-    assert code == 0 or len(clean(said)) >= 1
+    assert code in (1, 2), said
+    (line,) = [line for line in clean(said) if not line.startswith("warning")]
+    assert line.startswith(("error: out of memory", "error: the limit of address space is"))

@@ -21,6 +21,28 @@ from .taichi_patches import free_arrays, hasten
 # Taichi sends its version and a machine id to an outside host, and prints a banner, unless told not to.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
+# Without a home it aborts when it is imported.
+_home = os.path.expanduser("~")
+os.environ.setdefault("HOME", _home if os.path.isabs(_home) else tempfile.gettempdir())
+
+LEAST_SPACE = 2**31
+"""Bytes of address space that Taichi and LLVM want; with fewer they end in a segmentation fault, or without a word."""
+
+
+def _check_space() -> None:
+    """Refuse a limit of address space, as `ulimit -v` sets it, under which Taichi does not start."""
+    try:
+        import resource  # noqa: PLC0415 - not everywhere
+    except ImportError:
+        return
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit not in (resource.RLIM_INFINITY, -1) and limit < LEAST_SPACE:
+        raise UserError(
+            f"the limit of address space is {limit / 2**30:.2g} GB (ulimit -v); a run needs {LEAST_SPACE >> 30} GB"
+        )
+
+
+_check_space()
 
 if TYPE_CHECKING:
     # Taichi has no types: to the type checker its names, and what its decorators return, are `Any`.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..case.case import Case
+from ..errors import UserError
 from ..maps.design import Axis, Design, DesignError, Spread, Value
 from ..metrics.names import QUANTITIES, choose, shown
 from ..notation import fraction, short
@@ -168,7 +169,8 @@ def optimise(
                 told(generation, search.best())
 
         try:
-            found = differential_evolution(
+            found = _unwrapped(
+                differential_evolution,
                 search.cost,
                 [(0.0, 1.0)] * len(spreads),
                 init=unit,
@@ -193,6 +195,16 @@ def _why_none(objective: Expression, measured: Sequence[Mapping[str, float]]) ->
     found += [f"{name} is 0" for name, values in columns.items() if not values.any()]
     reason = " and ".join(found) or "it divides by zero, or takes a root of what is negative"
     return f"{objective.text!r}: has no finite value in any of the first {len(measured)} cases: {reason}"
+
+
+def _unwrapped(search: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+    """What a search of SciPy's gives; of an error of ours it makes one of its own."""
+    try:
+        return search(*arguments, **options)
+    except RuntimeError as error:
+        if isinstance(error.__cause__, UserError):
+            raise error.__cause__ from None
+        raise
 
 
 def _aim(maximise: str | None, minimise: str | None) -> Expression:
