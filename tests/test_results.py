@@ -373,12 +373,12 @@ def stopped(tmp_path_factory):
 DOCTORED = [
     ("uvlm", "next_step", -5), ("uvlm", "next_step", 0), ("uvlm", "next_step", 2**40), ("uvlm", "next_step", 402),
     ("uvlm", "solve_time", np.nan), ("uvlm", "solve_time", np.ones(3)), ("uvlm", "state.body.failed", 300),
-    ("uvlm", "state.body.modes", 99), ("uvlm", "state.body.steps", 10**9), ("uvlm", "state.body.every", 0),
+    ("uvlm", "state.body.modes", 99), ("uvlm", "state.body.plan:0", 10**9), ("uvlm", "state.body.plan:1", 0),
     ("uvlm", "state.flow.size", 10**6), ("uvlm", "state.body.q", np.nan), ("uvlm", "state.body.q", np.zeros(3)),
     ("uvlm", "state.body.q", np.array(["text"])), ("uvlm", "state.wake.vortex", np.inf),
-    *(("uvlm", f"state.wake.ring:{column}", value) for column in range(4) for value in (-1, 2**31 - 1)),
+    *(("uvlm", f"state.wake.ring:{column}", value) for column in (0, 1, 2, 3, 6) for value in (-1, 2**31 - 1)),
     ("uvlm", "state.wake.ring:4", -7), ("uvlm", "state.wake.ring:5", -1), ("uvlm", "state.wake.birth", 10**6),
-    ("dbet", "state.flow.elements", 10**9), ("dbet", "state.flow.truncated", 7), ("dbet", "state.extra", 1.0),
+    ("dbet", "state.flow.elements", 10**9), ("dbet", "state.flow.option", 7), ("dbet", "state.extra", 1.0),
 ]  # fmt: skip
 
 

@@ -201,7 +201,11 @@ def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint |
     """Put a march where interrupted runs stopped; the seconds that they had taken."""
     kept = [one for one in resumed or () if one]
     # What a checkpoint counts on must be there: the file may have been moved away, or begun anew.
-    if len(kept) < len(writers) or any(writer.stored < _reached(writer, kept[0]) for writer in writers):
+    if len(kept) < len(writers):
+        return 0.0
+    if behind := [writer for writer in writers if writer.stored < _reached(writer, kept[0])]:
+        for writer in behind:
+            checkpoint.tell(writer.path, "the file beside it holds fewer steps")
         return 0.0
     try:
         march.restore([one.state for one in kept], kept[0].next_step)

@@ -56,10 +56,10 @@ class Uvlm(Model):
 
     def counters(self, case: Case, step: int) -> Mapping[str, tuple[Any, Any]]:
         size, last = stations.ring_size(case), min(step, case.steps + 1) - 1
-        count = min(last + 1, size)
-        # As `wake.ring` has its columns: size, count, oldest, youngest, step of the velocities, crossings.
-        ring = (size, count, 0, 0, 0, 0), (size, count, size - 1, count - 1, last + 1, np.iinfo("i4").max)
-        return {"wake.ring": ring, "wake.birth": (0, last)}
+        count, place = int(self.entries(case, last)), size - 1
+        # As `wake.ring` has its columns.
+        ring = (size, 0, 0, 0, 0, 0, 0), (size, count, place, place, last + 1, np.iinfo("i4").max, place)
+        return {"wake.ring": ring, "wake.birth": (0, last), "wake.edge": (0, 1)}
 
     def work(self, case: Case, step: int) -> float:
         panels, vortices = case.uvlm.panels, float(self.entries(case, step))
