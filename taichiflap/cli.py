@@ -193,10 +193,11 @@ def info(file: Annotated[Path, typer.Argument(help="result file, or map", show_d
         _print_summary(result)
 
 
-@app.command(short_help="Draw figures for print of a result, two, or a map.")
+@app.command(short_help="Draw figures for print of results, or a map.")
 def plot(
-    file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)],
-    other: Annotated[Path | None, typer.Argument(help="a second one, to compare", show_default=False)] = None,
+    files: Annotated[
+        list[Path], typer.Argument(help="a result file, several to compare, or a map", show_default=False)
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
@@ -206,30 +207,35 @@ def plot(
             help="folder, or how the names begin, and the kind  [default: the result's name, here, as PNG and SVG]",
         ),
     ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(min=60.0, max=400.0, metavar="MM", help="width of a result's figures  [default: 180]"),
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing figures")] = False,
     whole: Annotated[
         bool, typer.Option("--whole", help="of a map, no grey for cases for which the model does not hold")
     ] = False,
     sheets: Annotated[bool, typer.Option("--sheets", help="colour the wake by the edge that shed it")] = False,
 ) -> None:
-    """Draw for print: the last beat of one result or two, and the wing of each; or a map."""
+    """Draw for print: the last beat of one result or several, and the wing of each; or a map."""
     from contextlib import ExitStack
 
     from .maps.file import is_map, open_map
     from .results.reader import open_result
 
-    if other is None and is_map(file):
+    if len(files) == 1 and is_map(files[0]):
         from .plots import maps as map_plots
 
-        with open_map(file) as sheet:
+        with open_map(files[0]) as sheet:
             for path in map_plots.plot(sheet, output, overwrite, whole):
                 print(f"{path} written")
         return
     with ExitStack() as stack:
-        results = [stack.enter_context(open_result(path)) for path in (file, other) if path is not None]
+        results = [stack.enter_context(open_result(path)) for path in files]
+        from .plots.result import WIDTH
         from .plots.result import plot as draw
 
-        for path in draw(results, output, overwrite, sheets):
+        for path in draw(results, output, overwrite, sheets, width=width / 25.4 if width else WIDTH):
             print(f"{path} written")
 
 

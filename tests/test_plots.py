@@ -54,6 +54,20 @@ def texts(figure):
     ]
 
 
+def test_three_results_have_three_colours_and_a_width_of_ones_own(lattice, blades, tmp_path):
+    rigid = taichiflap.simulate(hawkmoth("solver=dbet", "wing.modes=0", "time.periods=2", "title=rigid"))
+    results = [lattice, blades, rigid]
+    figure = plots.summary(results, width=5.0)
+    assert figure.get_figwidth() == 5.0
+    lines = [line for line in figure.axes[1].lines if len(line.get_xdata()) > 10]
+    assert len({line.get_color() for line in lines}) == 3
+    for line, result in zip(lines, results, strict=True):
+        np.testing.assert_allclose(line.get_ydata(), 1e3 * result.force_normal[scene.last_steps(result)])
+    (legend,) = figure.legends
+    assert len(legend.get_texts()) == 3
+    assert all(one.name.endswith(".pdf") for one in plots.plot(results, tmp_path / "three.pdf", width=5.0))
+
+
 def test_the_summary_holds_the_last_beat_of_both_results(lattice, blades):
     figure = plots.summary([lattice, blades])
     for ax, (label, unit, series) in zip(figure.axes, plots.panels([lattice, blades]), strict=True):

@@ -60,6 +60,8 @@ LINES = ("#0060a8", "#d55e00")
 """Colours of the first and second result of a comparison."""
 SHEETS = ("#7a8794", "#d03a8c")
 """Colours of the vortices shed by the trailing edge and by the leading edge, where they are told apart."""
+SEVERAL = (*LINES, "#008560", "#8a4fa0", "#8f6a00", "#16191d")
+"""Colours of several results."""
 PARTS = ("#16191d", "#0060a8", "#d55e00")
 """Colours of a whole and its two parts."""
 

@@ -65,7 +65,12 @@ STYLE: Any = {
 
 
 def plot(
-    results: Sequence[Result], stem: Path | None = None, overwrite: bool = False, sheets: bool = False
+    results: Sequence[Result],
+    stem: Path | None = None,
+    overwrite: bool = False,
+    sheets: bool = False,
+    *,
+    width: float = WIDTH,
 ) -> list[Path]:
     """Write `STEM-summary` of all results, and `STEM-wing`, `STEM-wing-2`, ... of each, as PNG and SVG.
 
@@ -73,6 +78,7 @@ def plot(
         stem: how the files' names begin, or a folder to put them in; the first result's own name, here, if None. With
             the extension pdf, eps, svg or png they are written as that alone.
         sheets: colour wakes by the edge that shed them instead of by circulation.
+        width: of the figures, inches.
 
     Returns:
         The files written.
@@ -87,11 +93,12 @@ def plot(
     for name in names:
         for kind in kinds:
             files.check(stem.with_name(f"{stem.name}-{name}.{kind}"), overwrite)
-    figures = dict(zip(names, (summary(results), *(wing(one, sheets) for one in results)), strict=True))
+    wings = (wing(one, sheets, width) for one in results)
+    figures = dict(zip(names, (summary(results, width), *wings), strict=True))
     return formats.write(figures, stem, kinds, STYLE, overwrite)
 
 
-def summary(results: Sequence[Result]) -> Figure:
+def summary(results: Sequence[Result], width: float = WIDTH) -> Figure:
     """Tip deflection, forces and power over the last beat of each result.
 
     Raises:
@@ -100,21 +107,21 @@ def summary(results: Sequence[Result]) -> Figure:
     for result in results:
         scene.last_steps(result)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 4.9), layout="constrained")
+        figure = Figure(figsize=(width, 4.9), layout="constrained")
         axes = list(figure.subplots(2, 2, sharex=True).flat)
         handles, names, shown = [], _names(results), panels(results)
         units = [_unit(results, panel) for panel in shown]
         length, label_of_time = scene.abscissa(results[0].case)
         for number, result in enumerate(results):
-            colour = palette.LINES[number % len(palette.LINES)]
+            colour = palette.SEVERAL[number % len(palette.SEVERAL)]
             turns = result.time[scene.last_steps(result)] / result.case.beat
             turns = length * (turns - round(turns[-1]) + 1.0)
             for ax in axes if result.has_sheets else ():
                 _mark_shedding(ax, turns, _last_beat(result, "leading_edge_sheds") > 0.5, number)
             for ax, (factor, _), (_, _, series) in zip(axes, units, shown, strict=True):
                 for variable, (_, line) in zip(series, STYLES, strict=False):
-                    width = 1.3 if line == "-" else 1.0
-                    ax.plot(turns, factor * _last_beat(result, variable), line, color=colour, linewidth=width)
+                    thick = 1.3 if line == "-" else 1.0
+                    ax.plot(turns, factor * _last_beat(result, variable), line, color=colour, linewidth=thick)
             name = f"{names[number]} ({result.case.model}{_mean_force(result)})"
             handles.append(Line2D([], [], color=colour, label=name))
         for letter, ax, (label, _, series), (_, unit) in zip("abcd", axes, shown, units, strict=True):
@@ -134,7 +141,7 @@ def summary(results: Sequence[Result]) -> Figure:
     return figure
 
 
-def wing(result: Result, sheets: bool = False) -> Figure:
+def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
     """The wing at instants of the last beat: with its wake if the model has one, else with the load on the chord.
 
     Raises:
@@ -152,13 +159,13 @@ def wing(result: Result, sheets: bool = False) -> Figure:
     many = sum(len(frame.wake) for frame in frames) > MANY_DOTS
     left, right, bottom, top = (1e3 * edge for edge in shared.page)
     columns = INSTANTS // 2
-    cell = (WIDTH - (1.75 if dotted else 0.6)) / columns - 0.1
+    cell = (width - (1.75 if dotted else 0.6)) / columns - 0.1
     size = POINTS * cell * 1e3 * chord / (right - left)
     height = min(2.0 * cell * (top - bottom) / (right - left) + 1.15, 9.0)
     head = 1.0 - 0.13 / height
     layout = ConstrainedLayoutEngine(compress=True, rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, height), layout=layout)
+        figure = Figure(figsize=(width, height), layout=layout)
         axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):
             dots = _draw_wake(ax, frame, shared, size, many, sheets) if dotted else None
