@@ -163,7 +163,8 @@ def test_the_page_ends_near_the_wing_and_its_colours_are_of_what_it_shows(lattic
     first = frames[0]
     away = np.vstack([first.wing.mean(axis=0) - np.array([0.0, 1.0]), first.wake])  # fifty chords below, and old
     strong = np.insert(first.circulation, 0, 1e3 * np.abs(first.circulation).max())
-    far = [dataclasses.replace(first, wake=away, circulation=strong), *frames[1:]]
+    edge, age = np.insert(first.edge, 0, first.edge[0]), np.insert(first.age, 0, first.age[0])
+    far = [dataclasses.replace(first, wake=away, circulation=strong, edge=edge, age=age), *frames[1:]]
     assert scene.bounds(far, lattice.case) == near
 
 
