@@ -138,7 +138,7 @@ class Case(Section):
 
     @model_validator(mode="after")
     def _of_blades(self) -> "Case":
-        if self.solver == "dbet" and (why := self.dbet.refusal(self.wing.modes > 0, gust=False)):
+        if self.solver == "dbet" and (why := self.dbet.refusal(self.wing.modes > 0, self.fluid.gust != "none")):
             raise ValueError(why)
         return self
 

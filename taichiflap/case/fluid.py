@@ -1,11 +1,11 @@
 """`[fluid]`: what surrounds the wing."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from .schema import Section, as_tuple, key
+from .schema import Section, as_tuple, key, needed
 
 Velocity = Annotated[
     tuple[Annotated[float, Field(ge=-1000, le=1000)], Annotated[float, Field(ge=-1000, le=1000)]],
@@ -21,6 +21,36 @@ class Fluid(Section):
         None, unit="m2/s", text="kinematic viscosity: air 1.5e-5, water 1e-6", example=1.5e-5, gt=0, le=1e3
     )
     velocity: Velocity = key((0.0, 0.0), unit="m/s", text="free stream along Y and Z (-Y is up)")
+    gust: Literal["none", "sharp_edged", "one_minus_cosine", "sinusoidal"] = key(
+        "none", text="gust across the stream that is carried along with it; nothing is ahead of its front"
+    )
+    gust_velocity: float = key(
+        0.0,
+        unit="m/s",
+        text="largest velocity of the gust, a quarter turn counter-clockwise from the stream (along Z for one along Y)",
+        ge=-1000,
+        le=1000,
+    )
+    gust_length: float | SkipJsonSchema[None] = key(
+        None,
+        unit="m",
+        text="length of a one_minus_cosine gust, or wavelength of a sinusoidal one",
+        example=0.1,
+        gt=0,
+        le=1e6,
+    )
+    gust_arrival: float = key(
+        0.0, unit="s", text="time at which the front of the gust meets the origin of Y and Z", ge=-1e6, le=1e6
+    )
+
+    @model_validator(mode="after")
+    def _of_gusts(self) -> "Fluid":
+        if self.gust != "none":
+            if not self.streams:
+                raise needed("velocity", "a gust is carried by a free stream")
+            if self.gust != "sharp_edged" and self.gust_length is None:
+                raise needed("gust_length", f'gust = "{self.gust}" has a length')
+        return self
 
     @property
     def streams(self) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from . import elastic, orders, oscillation, start, steady, structure
+from . import elastic, gust, orders, oscillation, start, steady, structure
 from .checks import Check, Row
 
 Study = Callable[[], Sequence[Check]]
@@ -12,6 +12,7 @@ STUDIES: tuple[tuple[str, Study], ...] = (
     ("camber", lambda: [steady.camber()]),
     ("Wagner", lambda: [start.wagner()]),
     ("Theodorsen and Garrick", oscillation.oscillation),
+    ("gusts", gust.gusts),
     ("added mass", lambda: [steady.added_mass()]),
     ("modes", lambda: [structure.modes()]),
     ("wet frequency", lambda: [structure.wet_frequency()]),

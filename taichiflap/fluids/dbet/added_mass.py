@@ -15,10 +15,23 @@ import numpy as np
 
 from ...case.case import Case
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import AMPLITUDE, BETA, RATE, pivot_advance, pivot_heave, pivot_velocity
+from ...march.state import AMPLITUDE, BETA, C0, C1, C2, RATE, pivot_advance, pivot_heave, pivot_velocity
+from ...march.stream import KIND
 from ...motion.sampling import PITCH_ACCEL, PITCH_RATE
 from . import elements
-from .elements import DEFORMED, E_Y, LEAN, POSITION, SCRATCH, W_RATE, superpose_octet, transform
+from .elements import (
+    DEFORMED,
+    GUST,
+    GUST_BEFORE,
+    GUST_BEFORE_THAT,
+    LEAN,
+    POSITION,
+    SCRATCH,
+    W_RATE,
+    WING_Y,
+    superpose_octet,
+    transform,
+)
 
 TERMS = 12
 """Terms of the series: five digits for four modes of a beam."""
@@ -53,9 +66,12 @@ def flux_rates(body: View, flow: View, b, n, rule, extended: View):
             if flow.option[b, DEFORMED] == 1:
                 w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
                 lean_rate = superpose_octet(flow.shape_slope, body.q_known, b, RATE, block, modes)
-                rate = rate - lean_rate * (p_y - w * theta_rate)
+                rate = rate - lean_rate * flow.element[b, WING_Y, block]
                 turned = accel_y - flow.element[b, W_RATE, block] * theta_rate - w * theta_accel
                 rate = rate - flow.element[b, LEAN, block] * turned
+        if flow.stream[b, KIND] > 0.0:
+            rate += rule[C0] * flow.element[b, GUST, block] + rule[C1] * flow.element[b, GUST_BEFORE, block]
+            rate += rule[C2] * flow.element[b, GUST_BEFORE_THAT, block]
         flow.element[b, SCRATCH, block] = rate
     transform(flow, flow.sines, b, flow.sine, 0, TERMS)
     for k in range(modes):
@@ -64,7 +80,7 @@ def flux_rates(body: View, flow: View, b, n, rule, extended: View):
         if ti.static(extended):
             if flow.option[b, DEFORMED] == 1:
                 for block in range((flow.elements[b] + 7) // 8):
-                    u_y = p_y + flow.element[b, E_Y, block]
+                    u_y = flow.element[b, WING_Y, block]
                     rate = flow.shape[b, k, block] - rule[BETA] * u_y * flow.shape_slope[b, k, block]
                     flow.element[b, SCRATCH, block] = rate
                 transform(flow, flow.sines, b, flow.sine, k + 1, TERMS)

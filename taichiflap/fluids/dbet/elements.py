@@ -14,7 +14,10 @@ TRACTION, SLOPE, SHEARING, FLUX_RATE, LIFTED, PRESSURE, SHEAR, SCRATCH = range(1
 """And on: with the expected rates the force per area along -n, its derivative by the elastic rate, and the force along
 -t; of strips the acceleration of Eq. 7 without the modal part; force per area of attached flow on a unit K v; the force
 per area along e_z and e_y; and what a transform is taken of."""
-ROWS = 18
+WING_Y, GUST, GUST_BEFORE, GUST_BEFORE_THAT = range(18, 22)
+"""And the velocity along e_y of the wing alone, without a gust; and the gust's flux through the wing, now and at the
+two steps before."""
+ROWS = 22
 ABREAST = 7
 """Terms that a transform sums at once: sums that do not wait for each other."""
 

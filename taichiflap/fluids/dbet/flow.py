@@ -20,6 +20,7 @@ from ...kernels import linear
 from ...kernels.arrays import array, octet_array, zeros
 from ...kernels.runtime import Floats2, Floats3, Ints1, Ints2, Octets3, View, ti
 from ...march.state import most_modes
+from ...march.stream import streams
 from ...motion.sampling import PITCH_RATE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
@@ -54,7 +55,7 @@ Blades = ti.types.argpack(
     elements=Ints1,
     option=Ints2,  # (case, 4) and (case, 11): see the names of their columns in `elements`
     setting=Floats2,
-    stream=Floats2,
+    stream=Floats2,  # see `taichiflap.march.stream`
     element=Octets3,  # (case, row, eight elements)
     shape=Octets3,  # (case, mode, eight elements): mode shapes at the midpoints, and their slopes
     shape_slope=Octets3,
@@ -72,7 +73,8 @@ Blades = ti.types.argpack(
 def extends(case: Case) -> bool:
     """Whether a case needs more than the paper's model; a kernel of which no case does holds that alone."""
     dbet = case.dbet
-    return dbet.frame == "deformed" or dbet.added_mass == "potential" or dbet.attached or dbet.rotation > 0.0
+    gusty = case.fluid.gust != "none"
+    return dbet.frame == "deformed" or dbet.added_mass == "potential" or dbet.attached or dbet.rotation > 0.0 or gusty
 
 
 def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
@@ -98,7 +100,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         elements=array([case.dbet.elements for case in cases]),
         option=array([_options(case) for case in cases]),
         setting=array([_settings(case) for case in cases], float),
-        stream=array([case.fluid.velocity for case in cases], float),
+        stream=streams(cases, [case.dbet.elements for case in cases]),
         element=octet_array(element),
         shape=octet_array(shape),
         shape_slope=octet_array(slope),

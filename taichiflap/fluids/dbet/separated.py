@@ -11,8 +11,9 @@ frame those of the bent wing, of slope `s = sum_k phi'_k q_k`.
 """
 
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import AMPLITUDE, RATE, pivot_heave, pivot_velocity
-from ...motion.sampling import PITCH_ACCEL, PITCH_RATE
+from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_heave, pivot_velocity
+from ...march.stream import KIND, carry_gust, gust_at_octet
+from ...motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import TINY
 from .elements import (
     DEFORMED,
@@ -20,6 +21,9 @@ from .elements import (
     DRAG_MIN,
     E_Y,
     FLUX_RATE,
+    GUST,
+    GUST_BEFORE,
+    GUST_BEFORE_THAT,
     HALF_DENSITY,
     LEAN,
     LIFT_MAX,
@@ -34,6 +38,7 @@ from .elements import (
     U_N,
     U_T,
     W_RATE,
+    WING_Y,
     superpose_octet,
 )
 
@@ -86,6 +91,31 @@ def kept_share(r_y, r_z, e_y, e_z):
 
 
 @ti.func
+def gust_past(body: View, flow: View, b, n, block, w):
+    """Velocity of the gust along e_y and e_z at eight elements; its flux through them is noted."""
+    cosine = body.motion[b, n, COSINE]
+    sine = body.motion[b, n, SINE]
+    y = flow.element[b, POSITION, block]
+    place_y = body.motion[b, n, SURGE] + cosine * y - sine * w
+    place_z = body.motion[b, n, PLUNGE] + sine * y + cosine * w
+    along, across = gust_at_octet(flow.stream, b, place_y, place_z)
+    g_y = cosine * along + sine * across
+    g_z = cosine * across - sine * along
+    flow.element[b, GUST_BEFORE_THAT, block] = flow.element[b, GUST_BEFORE, block]
+    flow.element[b, GUST_BEFORE, block] = flow.element[b, GUST, block]
+    flow.element[b, GUST, block] = flow.element[b, LEAN, block] * g_y - g_z
+    return g_y, g_z
+
+
+@ti.func
+def lean(body: View, flow: View, b, block):
+    """Slope of the bent wing at eight elements, and what its tangent is stretched by."""
+    slope = superpose_octet(flow.shape_slope, body.q_guess, b, AMPLITUDE, block, body.modes[b])
+    flow.element[b, LEAN, block] = slope
+    flow.element[b, STRETCH, block] = 1.0 / ti.sqrt(1.0 + slope * slope)
+
+
+@ti.func
 def linearise(body: View, flow: View, b, n, extended: View):
     """Motion of the elements, and the forces of separated flow on them, about the expected rates (Eqs 6-7, 17-27).
 
@@ -98,30 +128,35 @@ def linearise(body: View, flow: View, b, n, extended: View):
     theta_accel = body.motion[b, n, PITCH_ACCEL]
     mean_n = Octet(0.0)
     mean_t = Octet(0.0)
+    carry_gust(flow.stream, b, n * body.dt[b])
     for block in range((flow.elements[b] + 7) // 8):
         y = flow.element[b, POSITION, block]
         w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
         w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
         r_z = p_z + y * theta_rate
         e_y = w * -theta_rate
+        if ti.static(extended):
+            flow.element[b, WING_Y, block] = p_y + e_y
+            if flow.option[b, DEFORMED] == 1:
+                lean(body, flow, b, block)
+            if flow.stream[b, KIND] > 0.0:
+                g_y, g_z = gust_past(body, flow, b, n, block, w)
+                r_z = r_z - g_z
+                e_y = e_y - g_y
         u_y = p_y + e_y
         u_z = r_z + w_rate
         u_t, u_n = u_y, u_z
         if ti.static(extended):
             if flow.option[b, DEFORMED] == 1:
-                lean = superpose_octet(flow.shape_slope, body.q_guess, b, AMPLITUDE, block, modes)
-                stretch = 1.0 / ti.sqrt(1.0 + lean * lean)
-                u_t = (u_y + lean * u_z) * stretch
-                u_n = (u_z - lean * u_y) * stretch
-                flow.element[b, LEAN, block] = lean
-                flow.element[b, STRETCH, block] = stretch
+                u_t = (u_y + flow.element[b, LEAN, block] * u_z) * flow.element[b, STRETCH, block]
+                u_n = (u_z - flow.element[b, LEAN, block] * u_y) * flow.element[b, STRETCH, block]
         traction = normal_force(flow, b, u_t, u_n)
         slope = normal_slope(flow, b, u_t, u_n)
         if ti.static(extended):
+            flow.element[b, SHEARING, block] = axial_force(flow, b, u_t, u_n)
             if flow.option[b, DEFORMED] == 1:
-                stretch = flow.element[b, STRETCH, block]
-                lean = flow.element[b, LEAN, block]
-                slope = stretch * (slope + lean * normal_slope_along(flow, b, u_t, u_n))
+                turned = slope + flow.element[b, LEAN, block] * normal_slope_along(flow, b, u_t, u_n)
+                slope = flow.element[b, STRETCH, block] * turned
         if flow.option[b, TRUNCATED] == 1:
             kept = kept_share(p_y, r_z, e_y, w_rate)
             slope = kept * slope + traction * 2.0 * (r_z - kept * u_z) / (u_y * u_y + u_z * u_z + TINY)
@@ -134,8 +169,6 @@ def linearise(body: View, flow: View, b, n, extended: View):
         flow.element[b, TRACTION, block] = traction
         flow.element[b, SLOPE, block] = slope
         flow.element[b, FLUX_RATE, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
-        if ti.static(extended):
-            flow.element[b, SHEARING, block] = axial_force(flow, b, u_t, u_n)
         mean_n += flow.element[b, SHARE, block] * u_n
         mean_t += flow.element[b, SHARE, block] * u_t
     return mean_n.sum(), mean_t.sum()

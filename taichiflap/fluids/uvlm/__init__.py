@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...case.case import Case
+from ...motion.gust import gust_velocity
 from ...motion.sampling import typical_angle
 from ...structure.beam import Modes
 from ..interface import WAKE, Array, Flow, Model, Output, Refinement, Velocity, standard
@@ -126,7 +127,8 @@ class Uvlm(Model):
             from ...vortex.sum import induced_velocity  # noqa: PLC0415 - Taichi, for a picture of the flow alone
 
             stream = np.asarray(case.fluid.velocity).reshape(2, *(1,) * (points.ndim - 1))
-            return induced_velocity(points, vortices, core) + stream
+            gust = gust_velocity(case.fluid, float(result.field_time[index]), *points)
+            return induced_velocity(points, vortices, core) + stream + gust
 
         return flow
 

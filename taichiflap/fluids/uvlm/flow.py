@@ -10,6 +10,7 @@ from typing import Any
 from ...case.case import Case
 from ...kernels.runtime import View, ti
 from ...march.state import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
+from ...march.stream import carry_gust
 from ...structure.beam import Modes
 from ...vortex.sum import CIRCULATION, Y, Z
 from ..interface import Flow
@@ -206,7 +207,10 @@ def prepare(batch: View, b, n, rule, used: View):
     panels = batch.flow.size[b, PANELS]
     if n > 0:
         dt = batch.body.dt[b]
-        wake.convect(batch.wake, batch.flow.bound, panels, batch.flow.constant, b, n, dt, used.single_precision)
+        wake.convect(
+            batch.wake, batch.flow.bound, panels, batch.flow.constant, batch.flow.stream, b, n, dt, used.single_precision
+        )
+    carry_gust(batch.flow.stream, b, n * batch.body.dt[b])
     lattice.lay_panels(batch.body, batch.flow, b, n)
     lattice.guard(batch.body, batch.flow, batch.wake, b, n)
     lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used)

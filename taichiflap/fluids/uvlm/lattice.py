@@ -16,6 +16,7 @@ from ...kernels import linear
 from ...kernels.arrays import array, zeros
 from ...kernels.runtime import Floats2, Floats3, Floats4, Ints2, Octet, Octets2, Octets3, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, most_modes, pivot_velocity
+from ...march.stream import KIND, gust_at, streams
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
@@ -57,6 +58,7 @@ Lattice = ti.types.argpack(
     size=Ints2,  # what a case gives and what its march keeps, one row a case: see the names of their columns
     constant=Floats2,
     scalar=Floats2,
+    stream=Floats2,  # and the gust in it, see taichiflap.march.stream
     panel=Floats3,  # see the names of its rows
     shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.fluids.uvlm.stations
     node=Floats3,  # nodes in wing axes, and the rate of their deflection without acceleration
@@ -97,6 +99,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
         constant=array(constant),
         scalar=zeros(ti.f64, count, 12),
         panel=array(panel),
+        stream=streams(cases, [case.uvlm.panels for case in cases]),
         shape=array(shape),
         node=array(node),
         vortex=array(vortex),
@@ -243,7 +246,7 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
 
 @ti.func
 def wash_panels(body: View, flow: View, wakes: View, b, n):
-    """Velocity of the wake at the control points, along e_y and e_z."""
+    """Velocity of the wake, and of a gust, at the control points, along e_y and e_z."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
@@ -252,6 +255,16 @@ def wash_panels(body: View, flow: View, wakes: View, b, n):
         u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
         store_octet(flow.air, b, WASH + Y, 8 * block, cosine * u_y + sine * u_z)
         store_octet(flow.air, b, WASH + Z, 8 * block, cosine * u_z - sine * u_y)
+    if flow.stream[b, KIND] > 0.0:
+        last = flow.size[b, PANELS] - 1
+        for i in range(last + 1):
+            # A sharp edge is as long as the cell between two vortices: control points feel its mean over it.
+            cell = 2.0 * (flow.point[b, Y, i] - flow.vortex[b, Y, i])
+            if i < last:
+                cell = flow.vortex[b, Y, i + 1] - flow.vortex[b, Y, i]
+            g_y, g_z = gust_at(flow.stream, b, flow.bound[b, CONTROL + Y, i], flow.bound[b, CONTROL + Z, i], cell)
+            flow.air[b, WASH + Y, i] = flow.air[b, WASH + Y, i] + cosine * g_y + sine * g_z
+            flow.air[b, WASH + Z, i] = flow.air[b, WASH + Z, i] + cosine * g_z - sine * g_y
 
 
 @ti.func

@@ -6,6 +6,7 @@ expected before the step's acceleration is known. The suction at the leading edg
 
 from ...kernels.runtime import Octet, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_velocity
+from ...march.stream import gust_at_octet
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import CIRCULATION, INV_2PI, TINY, Y, Z, induce, octet, store_octet
 from .lattice import (
@@ -70,10 +71,11 @@ def expect_circulation(body: View, flow: View, wakes: View, b):
 
 @ti.func
 def induced(flow: View, wakes: View, y, z, b):
-    """Velocity at eight places (Y, Z) from the wake and from all bound vortices but one that stands there."""
+    """Velocity at eight places (Y, Z) from the wake, a gust, and all bound vortices but one that stands there."""
     w_y, w_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
     b_y, b_z = induce(y, z, TINY, flow.bound, b, 0, flow.size[b, PANELS])
-    return w_y + b_y, w_z + b_z
+    g_y, g_z = gust_at_octet(flow.stream, b, y, z)
+    return w_y + b_y + g_y, w_z + b_z + g_z
 
 
 @ti.func

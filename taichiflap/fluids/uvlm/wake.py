@@ -12,6 +12,7 @@ from typing import Any
 from ...case.case import Case
 from ...kernels.arrays import array, zeros
 from ...kernels.runtime import Floats2, Floats3, Ints2, Singles3, View, ti
+from ...march.stream import EDGE, KIND, gust_at
 from ...vortex.sum import (
     CIRCULATION,
     CORE2,
@@ -208,7 +209,7 @@ def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
 
 
 @ti.func
-def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: View):
+def convect(wake: View, bound: View, panels, stream: View, gust: View, b, n, dt, single: View):
     """Carry every wake vortex from step `n - 1` to `n`.
 
     A vortex just shed has no velocity of an earlier step: it takes Euler's step, once.
@@ -216,6 +217,11 @@ def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: Vie
     count = wake.ring[b, COUNT]
     if wake.ring[b, CARRIED] != n:
         carry_all(wake, bound, panels, stream, b, single)
+    if gust[b, KIND] > 0.0:
+        for i in range(count):
+            g_y, g_z = gust_at(gust, b, wake.vortex[b, Y, i], wake.vortex[b, Z, i], gust[b, EDGE])
+            wake.velocity[b, Y, i] = wake.velocity[b, Y, i] + g_y
+            wake.velocity[b, Z, i] = wake.velocity[b, Z, i] + g_z
     for i in range(count):
         moved2 = 0.0
         for axis in range(2):

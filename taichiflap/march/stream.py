@@ -1,0 +1,79 @@
+"""The free stream and the gust in it, as kernels see them; `taichiflap.motion.gust` says what a gust is."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..case.case import Case
+from ..kernels.arrays import array
+from ..kernels.runtime import Octet, View, ti
+
+KIND, SPEED, LENGTH, EDGE, CARRIED, AHEAD, ALONG_Y, ALONG_Z, FRONT = range(2, 11)
+"""Columns after the free stream along Y and Z: the place of the gust in `KINDS`; its velocity, m/s; its length, m; over
+what length a sharp edge is drawn out, m; speed of the stream, m/s; how far ahead of the origin the front stands at
+t = 0, m; direction of the stream; and where the front stands along it at the present step, m."""
+
+KINDS = "none", "sharp_edged", "one_minus_cosine", "sinusoidal"
+NONE, SHARP_EDGED, ONE_MINUS_COSINE, SINUSOIDAL = range(4)
+
+
+def streams(cases: Sequence[Case], pieces: Sequence[int]) -> Any:
+    """The array of the streams of a batch.
+
+    Args:
+        pieces: into how many pieces each case's chord is divided; a sharp edge is as long as one of them.
+    """
+    rows = np.zeros((len(cases), FRONT + 1))
+    for row, case, count in zip(rows, cases, pieces, strict=True):
+        fluid = case.fluid
+        row[:2] = fluid.velocity
+        speed = math.hypot(*fluid.velocity)
+        if fluid.gust == "none" or not speed:
+            continue
+        row[[KIND, SPEED, CARRIED]] = KINDS.index(fluid.gust), fluid.gust_velocity, speed
+        row[[LENGTH, EDGE, AHEAD]] = fluid.gust_length or 1.0, case.wing.chord / count, speed * fluid.gust_arrival
+        row[[ALONG_Y, ALONG_Z]] = np.array(fluid.velocity) / speed
+    return array(rows)
+
+
+@ti.func
+def carry_gust(stream: View, b, time):
+    """Put the front of the gust where it stands at a time."""
+    stream[b, FRONT] = stream[b, CARRIED] * time - stream[b, AHEAD]
+
+
+@ti.func
+def gust_across(stream: View, b, y, z, edge):
+    """Velocity of the gust, a quarter turn counter-clockwise from the stream; a sharp edge is `edge` long."""
+    behind = stream[b, FRONT] - stream[b, ALONG_Y] * y - stream[b, ALONG_Z] * z
+    share = 0.0
+    if stream[b, KIND] == SHARP_EDGED:
+        share = ti.min(ti.max(behind / edge + 0.5, 0.0), 1.0)
+    elif behind > 0.0:
+        angle = 2.0 * math.pi * behind / stream[b, LENGTH]
+        if stream[b, KIND] == SINUSOIDAL:
+            share = ti.sin(angle)
+        elif behind < stream[b, LENGTH]:
+            share = 0.5 - 0.5 * ti.cos(angle)
+    return stream[b, SPEED] * share
+
+
+@ti.func
+def gust_at(stream: View, b, y, z, edge):
+    """Velocity of the gust at a place, along Y and Z."""
+    across = 0.0
+    if stream[b, KIND] > NONE:
+        across = gust_across(stream, b, y, z, edge)
+    return -stream[b, ALONG_Z] * across, stream[b, ALONG_Y] * across
+
+
+@ti.func
+def gust_at_octet(stream: View, b, y, z):
+    """Velocity of the gust at eight places, along Y and Z."""
+    across = Octet(0.0)
+    if stream[b, KIND] > NONE:
+        for lane in ti.static(range(8)):
+            across[lane] = gust_across(stream, b, y[lane], z[lane], stream[b, EDGE])
+    return across * -stream[b, ALONG_Z], across * stream[b, ALONG_Y]
