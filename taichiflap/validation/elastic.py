@@ -194,7 +194,8 @@ def flutter(mass_ratios: Sequence[float] = MASS_RATIOS) -> Check:
     for solver in MODELS:
         found = [onset(solver, one) for one in mass_ratios]
         for mass_ratio, ours, (theirs, _) in zip(mass_ratios, found, reference, strict=True):
-            rows.append(Row.relative(f"{solver.upper()}, µ = {mass_ratio:g}, U*", ours, theirs, ONSET_TOLERANCE[solver]))
+            setting = f"{solver.upper()}, µ = {mass_ratio:g}, U*"
+            rows.append(Row.relative(setting, ours, theirs, ONSET_TOLERANCE[solver]))
         curves.append(Curve(solver.upper(), np.array(mass_ratios), np.array(found), "o"))
     line = np.linspace(min(mass_ratios), max(mass_ratios), 9)
     exactly = np.array([theory.flutter_onset(float(one))[0] for one in line])
