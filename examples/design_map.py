@@ -21,6 +21,14 @@ from taichiflap.plots.result import STYLE
 CASE = Path(__file__).parent.parent / "cases" / "hawkmoth.toml"
 MODULUS, PITCH = "wing.youngs_modulus", "motion.pitch.amplitude_deg"
 COMPARED = {"force_vertical_mean": "Mean vertical force", "power_mean": "Mean power", "tip_peak_mean": "Peak tip"}
+PAPERS_BLADES = (
+    "dbet.coefficients=reade_jankauski",
+    "dbet.frame=chord",
+    "dbet.added_mass=strip",
+    "dbet.attached=false",
+    "dbet.rotation=0.0",
+)
+"""The blade elements of Reade & Jankauski (2020)."""
 LEVELS = (0.25, 0.5, 0.8, 1.25, 2.0, 4.0)
 AGREE = 0.2
 """Within a fifth of each other: where the paper's two models may stand for one another."""
@@ -28,7 +36,7 @@ AGREE = 0.2
 
 def run(folder: Path, moduli: int = 12, pitches: int = 13, settings: tuple[str, ...] = ()) -> xarray.Dataset:
     """The map of both models over Young's modulus and pitch amplitude."""
-    case = taichiflap.load_case(CASE, settings)
+    case = taichiflap.load_case(CASE, (*PAPERS_BLADES, *settings))
     vary = {"solver": "dbet,uvlm", MODULUS: f"5e9:60e9:{moduli}:log", PITCH: f"5:45:{pitches}"}
     return taichiflap.sweep(case, vary, folder / "design_map.h5", metrics=[*COMPARED, "lift_per_power"])
 

@@ -16,6 +16,14 @@ import taichiflap
 from taichiflap.structure import beam
 
 CASE = Path(__file__).parent.parent / "cases" / "graded_wing.toml"
+PAPERS_BLADES = (
+    "dbet.coefficients=reade_jankauski",
+    "dbet.frame=chord",
+    "dbet.added_mass=strip",
+    "dbet.attached=false",
+    "dbet.rotation=0.0",
+)
+"""The blade elements of Reade & Jankauski (2020)."""
 RATIOS = (2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 4.0, 5.0, 6.0)
 FALLS = (1.0, 0.3, 0.1, 0.03)
 """Stiffness at the trailing edge over that at the leading edge."""
@@ -31,7 +39,7 @@ def graded(case, ratio, fall):
 
 def maps(solver, ratios=RATIOS, falls=FALLS, settings=()):
     """Mean vertical force over the rigid wing's and the same for force over power, shape (2, falls, ratios)."""
-    case = taichiflap.load_case(CASE, (f"solver={solver}", "output.every=2", *settings))
+    case = taichiflap.load_case(CASE, (f"solver={solver}", "output.every=2", *PAPERS_BLADES, *settings))
     cases = [graded(case, ratio, fall) for fall in falls for ratio in ratios]
     rigid, *found = (
         (summary.force_vertical.mean, summary.force_vertical.mean / summary.power_positive.mean)

@@ -92,7 +92,7 @@ def test_three_models_agree_where_they_should(monkeypatch):
     )
     size = np.abs(lattice).max()
     assert np.abs(linear - lattice).max() < 0.05 * size
-    assert np.abs(blades - lattice).max() > 0.3 * size
+    assert np.abs(blades - lattice).max() < 0.02 * size
 
 
 def test_the_notebook_gives_the_outputs_that_it_shows(tmp_path, monkeypatch):

@@ -6,8 +6,12 @@ from typing import Any
 import numpy as np
 
 from ...case.case import Case
+from ...motion import sampling
 from ...structure.beam import Modes
 from ..interface import Array, Flow, Model, Refinement, standard
+
+TIMES = 512
+"""Moments of the last beat at which the speed is looked at."""
 
 
 class Dbet(Model):
@@ -19,6 +23,22 @@ class Dbet(Model):
     def nodes(self, case: Case) -> Array:
         chord = case.wing.chord
         return chord * np.arange(case.dbet.elements + 1) / case.dbet.elements - case.wing.pivot * chord
+
+    def warnings(self, case: Case) -> list[str]:
+        polar, viscosity = case.dbet.polar, case.fluid.viscosity
+        if viscosity is None or not polar.source:
+            return []
+        times = np.linspace(max(0.0, case.duration - case.beat), case.duration, TIMES)
+        behind = (1.0 - case.wing.pivot) * case.wing.chord
+        speed = sampling.typical_speed(case.motion, behind, case.fluid.velocity, times)
+        reynolds = speed * case.wing.chord / viscosity
+        low, high = polar.reynolds
+        if low <= reynolds <= high:
+            return []
+        return [
+            f'dbet.coefficients = "{case.dbet.coefficients}" is good for Reynolds numbers of {low:g} to {high:g} '
+            f"({polar.source}); here it is {reynolds:.2g}: choose another set, or give lift_max, drag_min and drag_max"
+        ]
 
     def settings(self, case: Case) -> list[str]:
         return [f"{case.dbet.elements} elements"]
