@@ -7,7 +7,7 @@ import pytest
 from conftest import PAPERS_BLADES, hawkmoth, march
 from oracle import BladesOracle
 
-from taichiflap import theory
+from taichiflap import fluids, theory
 from taichiflap.case.case import CaseError, parse_case
 from taichiflap.fluids.dbet import added_mass, attached, elements
 from taichiflap.fluids.dbet.elements import AREA, PRESSURE, SHEAR
@@ -240,9 +240,16 @@ def test_without_its_lag_attached_flow_would_flutter_at_half_the_speed(monkeypat
 )
 def test_what_would_flutter_falsely_is_refused(settings, phrase):
     with pytest.raises(CaseError, match="dbet") as caught:
-        hawkmoth("solver=dbet", *settings)
+        fluids.check(hawkmoth("solver=dbet", *settings))
     assert phrase in str(caught.value)
-    hawkmoth("solver=dbet", "wing.modes=0", "dbet.frame=chord", "dbet.added_mass=none")  # a rigid wing cannot flutter
+    fluids.check(hawkmoth("solver=dbet", "wing.modes=0", "dbet.frame=chord", "dbet.added_mass=none"))  # nothing bends
+
+
+def test_coefficients_outside_their_range_are_warned_of():
+    water = hawkmoth("solver=dbet", "fluid.viscosity=1.5e-5", "dbet.coefficients=wang")
+    (said,) = fluids.load("dbet").warnings(water)
+    assert "30 to 200" in said
+    assert not fluids.load("dbet").warnings(water.override("dbet.coefficients=whitney_wood"))
 
 
 def test_files_of_version_1_mean_the_papers_model():

@@ -136,12 +136,6 @@ class Case(Section):
             raise needed("uvlm.reference_speed", "the leading edge itself does not move through the fluid")
         return self
 
-    @model_validator(mode="after")
-    def _of_blades(self) -> "Case":
-        if self.solver == "dbet" and (why := self.dbet.refusal(self.wing.modes > 0, self.fluid.gust != "none")):
-            raise ValueError(why)
-        return self
-
     @property
     def model(self) -> str:
         """What the fluid model is called in headings."""

@@ -116,32 +116,3 @@ class Dbet(Section):
         given = {name: value for name, value in own.items() if value is not None}
         named = POLARS[self.coefficients]
         return Polar(**{name: getattr(named, name) for name in own} | given) if given else named
-
-    def refusal(self, bends: bool, gust: bool) -> str:
-        """Why this combination cannot be run, with the cure; empty when it can.
-
-        Args:
-            bends: whether the wing has elastic modes.
-            gust: whether the stream carries a gust.
-        """
-        if self.speed == "truncated":
-            new = {
-                'dbet.frame = "deformed"': self.frame == "deformed",
-                'dbet.added_mass = "potential"': self.added_mass == "potential",
-                "dbet.attached = true": self.attached,
-                f"dbet.rotation = {self.rotation:g}": self.rotation > 0.0,
-                "fluid.gust": gust,
-            }
-            there = [name for name, stated in new.items() if stated]
-            if there:
-                return (
-                    f'dbet.speed = "truncated" is the paper\'s and does not go with {", ".join(there)}; give '
-                    'dbet.speed = "full", or frame = "chord", added_mass = "strip", attached = false, rotation = 0.0'
-                )
-        if self.attached and bends and (self.frame != "deformed" or self.added_mass != "potential"):
-            return (
-                f'dbet.attached = true on a bending wing does not go with frame = "{self.frame}" and added_mass = '
-                f'"{self.added_mass}": the wing would flutter at the wrong speed or never; give frame = "deformed" and '
-                'added_mass = "potential", or attached = false'
-            )
-        return ""

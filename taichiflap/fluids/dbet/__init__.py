@@ -24,6 +24,29 @@ class Dbet(Model):
         chord = case.wing.chord
         return chord * np.arange(case.dbet.elements + 1) / case.dbet.elements - case.wing.pivot * chord
 
+    def problems(self, case: Case) -> list[str]:
+        dbet, found = case.dbet, []
+        new = {
+            'dbet.frame = "deformed"': dbet.frame == "deformed",
+            'dbet.added_mass = "potential"': dbet.added_mass == "potential",
+            "dbet.attached = true": dbet.attached,
+            f"dbet.rotation = {dbet.rotation:g}": dbet.rotation > 0.0,
+            f'fluid.gust = "{case.fluid.gust}"': case.fluid.gust != "none",
+        }
+        there = ", ".join(name for name, stated in new.items() if stated)
+        if dbet.speed == "truncated" and there:
+            found.append(
+                f'dbet.speed = "truncated" is the paper\'s and does not go with {there}; give dbet.speed = "full", or '
+                'frame = "chord", added_mass = "strip", attached = false, rotation = 0.0 and no gust'
+            )
+        if dbet.attached and case.wing.modes and (dbet.frame != "deformed" or dbet.added_mass != "potential"):
+            found.append(
+                f'dbet.attached = true on a bending wing does not go with frame = "{dbet.frame}" and added_mass = '
+                f'"{dbet.added_mass}": the wing would flutter at the wrong speed or never; give frame = "deformed" and '
+                'added_mass = "potential", or attached = false'
+            )
+        return found
+
     def warnings(self, case: Case) -> list[str]:
         polar, viscosity = case.dbet.polar, case.fluid.viscosity
         if viscosity is None or not polar.source:
