@@ -108,7 +108,7 @@ def gained(*settings):
     """Work of the fluid on a wing over its last beat as a share of the gross work: added mass alone."""
     case = hawkmoth("solver=dbet", *NO_BLADES, "wing.damping_ratio=0.3", "time.periods=6", *settings)
     frames, marched = march(case)
-    told = {"step": frames.step, "q": frames.q, "force": frames.force}
+    told = {"step": frames.step, "q": frames.q, "force": frames.force, "modal_force": frames.modal_force}
     power = -loads.over_time(case, marched.sections[0], marched.motion[0], told)["power_aerodynamic"]
     power = (power + (frames.modal_force * frames.q[:, 1]).sum(axis=1))[-201:]
     return np.trapezoid(power) / np.trapezoid(np.abs(power))
