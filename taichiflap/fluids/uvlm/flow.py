@@ -208,7 +208,15 @@ def prepare(batch: View, b, n, rule, used: View):
     if n > 0:
         dt = batch.body.dt[b]
         wake.convect(
-            batch.wake, batch.flow.bound, panels, batch.flow.constant, batch.flow.stream, b, n, dt, used.single_precision
+            batch.wake,
+            batch.flow.bound,
+            panels,
+            batch.flow.constant,
+            batch.flow.stream,
+            b,
+            n,
+            dt,
+            used.single_precision,
         )
     carry_gust(batch.flow.stream, b, n * batch.body.dt[b])
     lattice.lay_panels(batch.body, batch.flow, b, n)
