@@ -90,7 +90,7 @@ class Result:
         """Close the file; a result in memory is lost."""
         self.file.close()
 
-    @property
+    @functools.cached_property
     def variables(self) -> list[str]:
         """Names of the variables over time."""
         return [name for name in ("time", FIELD_TIME, *VARIABLES) if name in self.file] + list(self._own)

@@ -99,7 +99,8 @@ class ExploreSession(Session):
 
     def _tell(self) -> None:
         """The numbers, and what was changed."""
-        changed = [c.key for c in controls(self.case) if value_of(self.first, c.key) != c.value]
+        changed = [key for key in self._handles if value_of(self.first, key) != value_of(self.case, key)]
+        changed = [key for key in changed if value_of(self.case, key) is not None]
         settings = [f"{key}={short_text(value_of(self.case, key))}" for key in changed]
         line = shlex.join([*self._command, *(part for setting in settings for part in ("--set", setting))])
         self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1])
