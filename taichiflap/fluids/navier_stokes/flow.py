@@ -92,19 +92,19 @@ def unmapped(case: Case, modes: Modes, q: Any, step: int) -> str:
 
 
 @ti.func
-def prepare(batch: View, b, n, rule, bending: ti.template()):
+def prepare(batch: View, b, n, rule, bending: View):
     """Modal force of the coming step `n`."""
     advance(batch.body, batch.flow, b, n, rule, bending)
 
 
 @ti.func
-def settle(batch: View, b, n, rule, bending: ti.template()):
+def settle(batch: View, b, n, rule, bending: View):
     """Complete step `n` with its modal acceleration."""
     complete(batch.body, batch.flow, b, n, bending)
 
 
 @ti.func
-def advance(body: View, flow: View, b, n, rule, bending: ti.template()):
+def advance(body: View, flow: View, b, n, rule, bending: View):
     """Advance the vorticity by step `n` but for what the modal rates have the wall feed into it; load and response."""
     beta = rule[BETA]
     bends = False
@@ -137,7 +137,7 @@ def advance(body: View, flow: View, b, n, rule, bending: ti.template()):
 
 
 @ti.func
-def complete(body: View, flow: View, b, n, bending: ti.template()):
+def complete(body: View, flow: View, b, n, bending: View):
     """With the modal acceleration of step `n` known: vorticity, fluxes and forces."""
     bends = False
     if ti.static(bending):

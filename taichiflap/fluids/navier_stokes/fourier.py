@@ -121,13 +121,13 @@ class Plan:
 
 
 @ti.func
-def transpose(rows: ti.template()):
+def transpose(rows: View):
     """Transpose of eight octets."""
     return [Octet([rows[at][i] for at in ti.static(range(8))]) for i in ti.static(range(8))]
 
 
 @ti.func
-def dft4(xr: ti.template(), xi: ti.template(), sign: ti.template()):
+def dft4(xr: View, xi: View, sign: View):
     """DFT of four; `sign` is 1 for e^-i and -1 for e^+i."""
     sr, si = xr[0] + xr[2], xi[0] + xi[2]
     tr, t_i = xr[0] - xr[2], xi[0] - xi[2]
@@ -137,7 +137,7 @@ def dft4(xr: ti.template(), xi: ti.template(), sign: ti.template()):
 
 
 @ti.func
-def dft8(xr: ti.template(), xi: ti.template(), sign: ti.template()):
+def dft8(xr: View, xi: View, sign: View):
     """DFT of eight."""
     er, ei = dft4([xr[0], xr[2], xr[4], xr[6]], [xi[0], xi[2], xi[4], xi[6]], sign)
     jr, ji = dft4([xr[1], xr[3], xr[5], xr[7]], [xi[1], xi[3], xi[5], xi[7]], sign)
@@ -153,7 +153,7 @@ def dft8(xr: ti.template(), xi: ti.template(), sign: ti.template()):
 
 
 @ti.func
-def stockham(work: View, root: View, plan: View, b, p, sign: ti.template()):  # noqa: PLR0915 - one loop nest
+def stockham(work: View, root: View, plan: View, b, p, sign: View):  # noqa: PLR0915 - one loop nest
     """DFT of M octets, real at 2 m and imaginary at 2 m + 1 of `work[b, 0]`; it ends in `work[b, passes % 2]`."""
     count = plan[b, p, POINTS]
     s = 1
@@ -270,7 +270,7 @@ def forward(rows: View, spectra: View, work: View, root: View, twiddle: View, pl
 
 
 @ti.func
-def lanes_dft(xr, xi, sign: ti.template()):
+def lanes_dft(xr, xi, sign: View):
     """DFT of the eight lanes of one octet."""
     yr = Octet(0.0)
     yi = Octet(0.0)

@@ -82,12 +82,12 @@ class Grid:
     @property
     def centres(self) -> Array:
         """Angles of the cells' centres."""
-        return (np.arange(self.points) + 0.5) * self.dphi
+        return self.dphi * (np.arange(self.points, dtype=np.float64) + 0.5)
 
     @property
     def corners(self) -> Array:
         """Angles of the cells' far corners."""
-        return (np.arange(self.points) + 1.0) * self.dphi
+        return self.dphi * (np.arange(self.points, dtype=np.float64) + 1.0)
 
     @property
     def coefficients(self) -> NDArray[np.complex128]:

@@ -61,7 +61,7 @@ class Given:
     @property
     def viscosity(self) -> float:
         """Viscosity, chords^2/s."""
-        return float(self.case.fluid.viscosity / self.case.wing.chord**2)
+        return float(self.case.fluid.viscosity or 0.0) / self.case.wing.chord**2
 
     @property
     def stored(self) -> int:
@@ -164,15 +164,15 @@ class Given:
         drho = np.append(grid.drho, np.ones(SPARE))
         return np.exp(-np.abs(grid.plan.wavenumber) * drho[:, None, None])
 
-    def equations(self) -> Array:
+    def equations(self) -> NDArray[np.int32]:
         """Row of `equation`: the places of each wavenumber's parts in a spectrum; behind them the wavenumbers."""
         index, points = self.grid.plan.index, self.grid.points
         made = np.zeros((2, points), np.int32)
         c = 2
-        seen = {0, points // 2}
+        seen: set[int] = {0, points // 2}
         for (slot, lane), k in np.ndenumerate(index):
             if min(k, points - k) not in seen:
-                seen.add(min(k, points - k))
+                seen.add(int(min(k, points - k)))
                 made[0, c], made[0, c + 1] = 16 * slot + lane, 16 * slot + 8 + lane
                 made[1, c : c + 2] = k
                 c += 2

@@ -43,13 +43,13 @@ def size(q):
 
 
 @ti.func
-def after(c, n, s: ti.template()):
+def after(c, n, s: View):
     """The octet `s` elements further, `n` being the next."""
     return Octet([c[(at + s) % 8] if ti.static(at + s < 8) else n[(at + s) % 8] for at in ti.static(range(8))])
 
 
 @ti.func
-def before(p, c, s: ti.template()):
+def before(p, c, s: View):
     """The octet `s` elements back, `p` being the one before."""
     return Octet([c[(at - s) % 8] if ti.static(at - s >= 0) else p[(at - s) % 8] for at in ti.static(range(8))])
 
@@ -195,7 +195,7 @@ def assemble(flow: View, b, n, beta, bends):  # noqa: PLR0915 - one loop nest
 
 
 @ti.func
-def gather(a: View, strip: View, b, k: ti.template(), j, octets):
+def gather(a: View, strip: View, b, k: View, j, octets):
     """Eight rows, transposed: element i of each in one octet of strip `k`."""
     for m in range(octets):
         x = transpose([a[b, j + r, m] for r in ti.static(range(8))])
