@@ -55,7 +55,7 @@ def test_what_matters_is_shown_in_units_that_suit_it():
     assert (modulus.label, modulus.shown(24.5e9)) == ("Youngs modulus, GPa", pytest.approx(24.5))
     assert found["motion.pitch.amplitude_deg"].slider()[:2] == (0.0, 90.0)
     assert found["motion.plunge.amplitude"].label == "Plunge amplitude, mm"
-    assert found["solver"].options[:2] == ("dbet", "uvlm")
+    assert {"dbet", "uvlm"} <= set(found["solver"].options)
     assert SWITCH in {one.kind for one in found.values()}
     assert "title" not in found
     assert not any(math.isinf(end) for one in found.values() if one.kind in (NUMBER, WHOLE) for end in one.slider())
@@ -162,6 +162,8 @@ def test_a_browser_changes_its_own_case(tmp_path, capfd):
             assert one.run.has_wake
             one._pin()
             assert one.pinned is one.run
+            one._pin_model("dbet")
+            until(lambda: (one.pinned.case.solver, one.run.case.solver) == ("dbet", "uvlm"))
             one._take_preset("hawkmoth_dbet")
             until(lambda: one.run.case.title != one.pinned.case.title or one.run is not one.pinned)
             one._find("added mass")

@@ -127,10 +127,11 @@ class ExploreSession(Session):
             steps = gui.add_button_group("Change", ("undo", "redo"))
             steps.on_click(lambda event: self._undo() if event.target.value == "undo" else self._redo())
             for label, deed in (
-                ("Pin", self._pin), ("Pin the other model", self._pin_other), ("Save case", self._save_case),
-                ("Keep result", self._keep_result),
+                ("Pin", self._pin), ("Save case", self._save_case), ("Keep result", self._keep_result)
             ):  # fmt: skip
                 gui.add_button(label).on_click(functools.partial(self._try, deed))
+            models = gui.add_button_group("Pin a model", self._handles["solver"][1].options)
+            models.on_click(lambda event: self._pin_model(event.target.value))
             self._line = gui.add_html("")
 
     def _add_control(self, control: Control, visible: bool) -> None:
@@ -235,11 +236,12 @@ class ExploreSession(Session):
             if old is not self.run:
                 self._drop(old)
 
-    def _pin_other(self) -> None:
-        """Compare with what the other model of the fluid makes of the same motion."""
-        options = self._handles["solver"][1].options
-        other = options[(options.index(self.case.solver) + 1) % len(options)]
-        self._ask(self.case.changed({"solver": other}), "pin")
+    def _pin_model(self, solver: str) -> None:
+        """Compare with what a model of the fluid makes of the same motion."""
+        try:
+            self._ask(self.case.changed({"solver": solver}), "pin")
+        except CaseError as error:
+            self._complain("solver", str(error.problems[0]))
 
     def _save_case(self) -> None:
         self.client.send_file_download("case.toml", self.case.to_toml().encode(), save_immediately=True)
