@@ -22,7 +22,7 @@ class NavierStokes(Section):
     thickness: float | SkipJsonSchema[None] = key(
         None,
         unit="chords",
-        text="thickness of the ellipse that stands for the section; left out: 0.02, and 0.04 where it bends",
+        text="thickness of the ellipse that stands for the section; left out: 0.04",
         example=0.02,
         ge=0.005,
         le=1,

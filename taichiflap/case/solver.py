@@ -22,5 +22,7 @@ Solver = Annotated[
 
 
 def model_name(solver: str) -> str:
-    """What a model is called in headings: `UVLM`, or the last word of its module's name."""
+    """What a model is called in headings: `UVLM`, `Navier-Stokes`, or the last word of its module's name."""
+    if solver == "navier_stokes":
+        return "Navier-Stokes"
     return solver.removeprefix(ELSEWHERE).rpartition(".")[2].upper()

@@ -35,6 +35,7 @@ from .arrays import (
     UNMAPPED,
     Arrays,
 )
+from .loads import load_modes, sum_forces
 from .mapping import find_map, place_corners, place_wall
 from .poisson import transform_inwards, transform_outwards
 from .settings import settings
@@ -44,12 +45,10 @@ from .wall import (
     hold_wall,
     invert_influence,
     lane,
-    load_modes,
     move_wall,
     pivot,
     respond,
     settle_wall,
-    sum_forces,
 )
 
 PASSES = 0

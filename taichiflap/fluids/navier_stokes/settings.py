@@ -20,8 +20,8 @@ WIDEST = 0.3
 """The first row at mid-chord is at most this share of a cell's angle."""
 RADIUS = 7.6, 30.0
 """Outer radius without and with a free stream, chords."""
-THICKNESS = 0.02, 0.04
-"""Thickness of a rigid and of a bending section, chords: thinner ones need more points of the map."""
+THICKNESS = 0.04
+"""Thickness of the section, chords: the flow around the edges of a thinner one asks for shorter steps."""
 LEAST_SQUARE = 8.0
 """Square of the cells over the Reynolds number below which they cannot resolve the flow; the defaults have 20 and
 more."""
@@ -84,7 +84,7 @@ def settings(case: Case) -> Settings:
     return Settings(
         reynolds=number,
         cells=cells,
-        thickness=asked.thickness or THICKNESS[case.wing.modes > 0],
+        thickness=asked.thickness or THICKNESS,
         radius=asked.radius or RADIUS[stream],
         wall_spacing=asked.wall_spacing or spacing,
     )

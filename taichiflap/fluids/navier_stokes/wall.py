@@ -1,17 +1,17 @@
-"""The wall: its motion, the flux of vorticity that keeps the fluid from slipping on it, and the loads.
+"""The wall: its motion, and the flux of vorticity that keeps the fluid from slipping on it.
 
 The flux of circulation `g` (over dphi and time) that the wall feeds into the first row is found implicitly: the factor
 along rho answers a change dg column by column with `w += response dg`, the slip is then linear in dg, and the influence
 matrix of it is inverted once for a rigid section, and now and then for a bending one. The mean of g follows from a
 pressure of one value: mean(g) = -mean(Im(a conj G)).
 
-Everything is linear in the modal rates and accelerations: dg, pressure and friction have a part for the motion that is
-known and one for each mode, so that load and response of the modes come from sums over the wall.
+Everything is linear in the modal rates and accelerations: dg has a part for the motion that is known and one for each
+mode.
 """
 
 from ...kernels import linear
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import ACCEL, AXIAL, BETA, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
+from ...march.state import ACCEL, COSINE, RATE, SINE
 from ...motion.sampling import (
     PITCH_ACCEL,
     PITCH_RATE,
@@ -25,29 +25,22 @@ from .arrays import (
     BASE,
     CORNER_COS,
     CORNER_SIN,
-    DPHI,
     EQUATION,
     FELT,
     FLUX,
-    FRICTION,
-    GRADIENT,
     INTEGRAL,
     INVERSE_K,
     IS_ZERO,
     LENGTH,
     LINES,
-    LOAD,
     LOWER_FACE,
     MODAL,
     MODAL_LINES,
     MODAL_STREAM,
-    MOMENT_LOAD,
     NU,
     OCTETS,
     OF_MEAN,
     RESPONSE,
-    RUBBED_Y,
-    RUBBED_Z,
     SCALE,
     SHAPE,
     SLOPE_Y,
@@ -270,51 +263,6 @@ def mean_acceleration(flow: View, b, k):
 
 
 @ti.func
-def load_modes(body: View, flow: View, b, n, rule):
-    """Modal force without acceleration, and its response to the modal accelerations."""
-    modes = body.modes[b]
-    nu, dphi = flow.number[b, NU], flow.number[b, DPHI]
-    spin = 2.0 * body.motion[b, n, PITCH_RATE]
-    half = 0.5 * flow.row[b, 0, THICKNESS]
-    factor = flow.number[b, MOMENT_LOAD] * dphi
-    # At rest there is no friction, and the flux follows the acceleration itself.
-    shear, through = 1.0, rule[BETA]
-    if n == 0:
-        shear, through = 0.0, 1.0
-    for j in range(modes):
-        line = LINES + MODAL_LINES * j
-        load = Octet(0.0)
-        for m in range(flow.size[b, OCTETS]):
-            shape, integral = flow.line[b, line + SHAPE, m], flow.line[b, line + INTEGRAL, m]
-            step = flow.line[b, STEP, m]
-            g = flow.line[b, FLUX, m] + step
-            tau = nu * (flow.vorticity[b, 0, m] + flow.response[b, 0, m] * step - spin) + half * g
-            load = load + (g + flow.line[b, ACCELERATION, m]) * integral
-            load = load + shear * tau * shape * flow.line[b, SLOPE_Y, m]
-        body.load[b, j] = factor * total(load)
-        for k in range(modes):
-            by_rate, by_accel = Octet(0.0), Octet(0.0)
-            other = LINES + MODAL_LINES * k
-            turned = 0.0
-            if n > 0:
-                turned = mean_acceleration(flow, b, k)
-            for m in range(flow.size[b, OCTETS]):
-                shape, integral = flow.line[b, line + SHAPE, m], flow.line[b, line + INTEGRAL, m]
-                slope = flow.line[b, SLOPE_Y, m]
-                step = flow.line[b, other + RESPONSE, m]
-                tau = (nu * flow.response[b, 0, m] + half) * step
-                by_rate = by_rate + step * integral + shear * tau * shape * slope
-                by_accel = by_accel + flow.line[b, other + SHAPE, m] * slope * integral
-                step = turned * flow.line[b, OF_MEAN, m]
-                tau = (nu * flow.response[b, 0, m] + half) * step
-                by_accel = by_accel - step * integral - tau * shape * slope
-            moved = factor * total(by_rate)
-            body.response[b, j, k] = through * moved + factor * total(by_accel)
-            if n > 0:
-                body.load[b, j] = body.load[b, j] + moved * body.q_known[b, RATE, k]
-
-
-@ti.func
 def settle_wall(body: View, flow: View, b, n):
     """With the modal rates known: the wall's flux, what it feeds into the near rows, and the streamfunction's start.
 
@@ -365,36 +313,3 @@ def feed_rows(flow: View, b, bends):
             flow.change[b, j, m] = flow.change[b, j, m] + more
             if bends:
                 flow.content[b, j, m] = flow.content[b, j, m] + more
-
-
-@ti.func
-def sum_forces(body: View, flow: View, b, n):
-    """Forces on the wall: pressure by parts from its gradient, and friction."""
-    nu = flow.number[b, NU]
-    spin = 2.0 * body.motion[b, n, PITCH_RATE]
-    half = 0.5 * flow.row[b, 0, THICKNESS]
-    if n == 0:
-        half = 0.0
-    pressed_y, pressed_z, rubbed_y, rubbed_z = Octet(0.0), Octet(0.0), Octet(0.0), Octet(0.0)
-    moment = Octet(0.0)
-    for m in range(flow.size[b, OCTETS]):
-        y, z = flow.line[b, WALL_Y, m], flow.line[b, WALL_Z, m]
-        g_y, g_z = flow.line[b, SLOPE_Y, m], flow.line[b, SLOPE_Z, m]
-        g = flow.line[b, FLUX, m]
-        rise = g + flow.line[b, ACCELERATION, m]
-        tau = nu * (flow.vorticity[b, 0, m] - spin) + half * g
-        flow.line[b, GRADIENT, m] = rise
-        flow.line[b, FRICTION, m] = tau
-        pressed_y = pressed_y - rise * z
-        pressed_z = pressed_z + rise * y
-        rubbed_y = rubbed_y - tau * g_z
-        rubbed_z = rubbed_z + tau * g_y
-        moment = moment + 0.5 * rise * (y * y + z * z) + tau * (y * g_y + z * g_z)
-    dphi = flow.number[b, DPHI]
-    force = flow.number[b, LOAD] * dphi
-    body.force[b, NORMAL] = force * (total(pressed_z) + total(rubbed_z))
-    body.force[b, AXIAL] = force * (total(pressed_y) + total(rubbed_y))
-    body.force[b, MOMENT] = flow.number[b, MOMENT_LOAD] * dphi * total(moment)
-    body.force[b, UNSTEADY] = 0.0
-    flow.number[b, RUBBED_Y] = force * total(rubbed_y)
-    flow.number[b, RUBBED_Z] = force * total(rubbed_z)
