@@ -272,6 +272,8 @@ def test_messages():
         case("navier_stokes.cells=100")
     with pytest.raises(CaseError, match=r"at least 0.02 chords"):
         case("navier_stokes.thickness=0.01")
+    with pytest.raises(CaseError, match=r"the Navier-Stokes model has no gusts"):
+        case("fluid.velocity=[1.0, 0.0]", "fluid.gust=sharp_edged", "fluid.gust_velocity=0.1")
     with pytest.raises(CaseError, match=r"wing.span is a table"):
         case("wing.span=[[0.0, 0.05], [1.0, 0.04]]")
     with pytest.raises(
