@@ -113,7 +113,7 @@ class NavierStokes(Model):
         return flow(cases, sections, body)
 
 
-STRIDE = ((300.0, 0.01), (3000.0, 0.005), (math.inf, 0.0025))
+STRIDE = ((300.0, 0.01), (3000.0, 0.0028), (math.inf, 0.0018))
 """Chords that the trailing edge travels in an automatic step, up to a Reynolds number."""
 WILD = 3000.0
 """Reynolds number of a warning."""
