@@ -28,7 +28,7 @@ NUMBERS = {
     "pitch_up": ("force_normal_peak", 3.867, 0.01),
     "hovering_plate": ("force_vertical", 2.02, 0.04),
     "hovering_ellipse": ("force_vertical", 1.682e-4, 0.01),  # a lift coefficient of 0.568; published 0.586 and 0.589
-    "hawkmoth_ns": ("tip_peak", 8.14e-3, 0.01),
+    "hawkmoth_ns": ("tip_peak", 7.46e-3, 0.02),
     "tabulated_stroke": ("tip_peak", 10.40e-3, 0.02),
     "measured_moth": ("force_vertical", 13.58e-3, 0.001),
 }
