@@ -109,10 +109,11 @@ def test_a_resumed_run_has_the_same_statistics(tmp_path, monkeypatch):
             raise KeyboardInterrupt
 
     path = tmp_path / "run.h5"
-    while not path.exists():
-        with contextlib.suppress(KeyboardInterrupt):
-            taichiflap.simulate(case, path, progress=interrupt, resume=True).close()
-    assert len(stops) > 4
+    for _ in range(9):
+        if not path.exists():
+            with contextlib.suppress(KeyboardInterrupt):
+                taichiflap.simulate(case, path, progress=interrupt, resume=True).close()
+    assert stops == sorted(set(stops)), "a part began at the start instead of where the one before had stopped"
     with taichiflap.open_result(path) as result:
         assert taichiflap.summarise(result) == taichiflap.summarise(whole)
         for name in whole.variables:
