@@ -68,9 +68,13 @@ package: .venv/.dev  ## build it, and install it in clean environments of every 
 reports: .venv/.run  ## write the reports among the documentation again, from their commands (minutes)
 	$(BIN)/taichiflap validate -o build/validation --overwrite
 	$(BIN)/taichiflap reproduce -o build/reproduction --overwrite
-	rm -f docs/validation-*.svg docs/reproduction/*.png
+	$(BIN)/taichiflap score -o build/scores
+	rm -f docs/validation-*.svg docs/reproduction/*.png docs/scores/*.png
 	cp build/validation/validation.md build/validation/*.svg docs
 	cp build/reproduction/report.md build/reproduction/*.png docs/reproduction
+	mkdir -p docs/scores
+	cp build/scores/scores.md build/scores/*.png docs/scores
+	cp build/scores/known.json taichiflap/published/scores
 
 clean:  ## remove the environment and what runs left here
 	rm -rf .venv *.egg-info build dist mutants docs/_build docs/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .commands import score as scoring
 from .commands import standard_streams, studies
 from .commands.interrupts import heard, interruptible
 from .commands.options import CaseFile, Settings, Threads
@@ -336,6 +337,7 @@ def reproduce(
     print(f"{output / study.REPORT}, {output / study.PAGE} and {output / study.DATA} written")
 
 
+app.command(short_help="Score the models against published data.")(scoring.score)
 app.command()(studies.sweep)
 app.command(short_help="Find how fine is fine enough.")(studies.converge)
 app.command(short_help="Search ranges of keys for the best case.")(studies.optimise)

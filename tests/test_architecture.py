@@ -3,6 +3,7 @@
 import ast
 import importlib
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -83,3 +84,12 @@ def test_modules_that_moved_answer_to_their_old_names(old):
         module = importlib.import_module(f"taichiflap.{old}")
     assert importlib.import_module(module.__name__) is module
     assert module.__spec__.name == module.__name__
+
+
+def test_every_package_is_installed():
+    listed = set(tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"]["packages"])
+    ours = {".".join(door.parent.relative_to(ROOT).parts) for door in (ROOT / "taichiflap").rglob("__init__.py")}
+    viewers = {
+        f"taichiflap_{'.'.join(door.parent.relative_to(ROOT).parts)}" for door in (ROOT / "viewer").rglob("__init__.py")
+    }
+    assert listed == ours | viewers | {"taichiflap.cases"}

@@ -95,10 +95,11 @@ def test_an_address_that_nobody_answers_is_a_sentence_and_harms_nothing(address,
 
 def speak(listening, words):
     """Answer everybody who connects with some words."""
-    with contextlib.suppress(OSError):
+    with contextlib.ExitStack() as callers, contextlib.suppress(OSError):
         while True:
-            caller, _ = listening.accept()
-            caller.sendall(words)
+            caller = callers.enter_context(listening.accept()[0])
+            with contextlib.suppress(OSError):
+                caller.sendall(words)
             if words:
                 caller.close()
 

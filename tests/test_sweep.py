@@ -126,7 +126,9 @@ def test_metrics_are_those_of_the_result_of_a_single_run(case):
             same_bits(here.tip_peak_spread, summary.tip_peak.spread)
             same_bits(here.force_normal_phase, summary.force_normal_phase)
             same_bits(here.lift_per_power, summary.force_vertical.mean / summary.power.mean)
-            for name in quantities.SERIES:
+            kept = [name for name in quantities.SERIES if name in result.variables and name in sheet]
+            assert {"force_y", "force_z", "moment", "power", "tip_deflection", "energy"} <= set(kept)
+            for name in kept:
                 same_bits(here[name], getattr(result, name))
             same_bits(here.time, result.time)
 

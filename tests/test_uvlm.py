@@ -151,10 +151,11 @@ def started():
 
 @ti.kernel
 def convect_once(
-    wakes: wake.Wake, bound: Floats3, stream: Floats2, count: ti.i32, n: ti.i32, step: ti.f64, single: ti.template()
-):
+    wakes: wake.Wake, bound: Floats3, stream: Floats2, gust: Floats2, count: ti.i32, n: ti.i32, step: ti.f64,
+    single: ti.template(),
+):  # fmt: skip
     for i in range(1):
-        wake.convect(wakes, bound, count, stream, 0, n, step, single)
+        wake.convect(wakes, bound, count, stream, gust, 0, n, step, single)
 
 
 @pytest.mark.parametrize("core", [0.0, 0.3])
@@ -174,7 +175,7 @@ def test_convection_matches_the_oracle(rng, core, convection, precision, digits)
     numpy_view(wakes.velocity)[0, wake.BEFORE :, :21] = earlier
     numpy_view(wakes.birth)[0, :21] = [6, *range(-14, 6)]
     stream = [0.3, -0.2]
-    convect_once(wakes, bound[None], np.array([stream]), 5, 7, 0.1, precision == "single")
+    convect_once(wakes, bound[None], np.array([stream]), np.zeros((1, 12)), 5, 7, 0.1, precision == "single")
     sources = np.hstack((vortices, bound[:, :5])).T
     now = velocity(vortices[:2].T, sources, vortices[3]) + stream
     step = 0.1 * now
@@ -208,7 +209,7 @@ def test_a_core_grows_with_the_way_moved():
     shed_once(wakes, 0, 0.0, 0.0)
     cores = []
     for n in range(1, 5):
-        convect_once(wakes, np.zeros((1, 4, 8)), np.array([[3.0, 4.0]]), 0, n, 0.12, False)
+        convect_once(wakes, np.zeros((1, 4, 8)), np.array([[3.0, 4.0]]), np.zeros((1, 12)), 0, n, 0.12, False)
         cores.append(np.sqrt(numpy_view(wakes.vortex)[0, 3, 0]))
     assert cores == pytest.approx([0.15, 0.3, 0.45, 0.5])
 

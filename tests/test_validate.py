@@ -79,9 +79,9 @@ def test_theodorsen_and_garrick():
 def test_structure_and_vortices():
     for check in (structure.modes(), structure.vortices()):
         assert check.passed, errors(check)
-    blades, lattice = errors(structure.wet_frequency(steps=(200,))).values()
-    assert abs(blades) < 0.03
-    assert abs(lattice) < 0.1
+    found = errors(structure.wet_frequency(steps=(200,)))
+    assert len(found) >= 3
+    assert max(map(abs, found.values())) < 0.1, found
 
 
 def test_energy_balance_is_of_second_order():

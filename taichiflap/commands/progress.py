@@ -51,6 +51,14 @@ def _place(case: Case, done: int) -> str:
 
 
 @contextlib.contextmanager
+def steps(title: str) -> Iterator[Callback]:
+    """A bar on stderr for work that counts; yields what is called with the number done, and of all."""
+    with _shown(TextColumn("{task.completed:.0f} of {task.total:.0f}")) as shown:
+        task = shown.add_task(title, total=1.0)
+        yield lambda done, total: shown.update(task, completed=done, total=total)
+
+
+@contextlib.contextmanager
 def share(title: str) -> Iterator[Callable[[float], None]]:
     """A bar on stderr for work of many kinds; yields what is called with the share done, 0 to 1."""
     with _shown(TextColumn("{task.percentage:.0f} %")) as shown:

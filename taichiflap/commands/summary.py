@@ -14,6 +14,7 @@ from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
 from ..motion import fourier
 from ..motion import measured as angles
 from ..notation import prefixed, printable
+from ..published.scores import nearest
 from ..results.reader import Result
 from ..structure.chordwise import Profile
 
@@ -42,6 +43,7 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
     summary = None if failed else summarise(result)
     if summary:
         yield from _statistics(case, summary)
+        yield _line("nearest scored case", nearest.sentence(case))
     elif failed:
         yield "the run failed: no statistics"
     else:

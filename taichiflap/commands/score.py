@@ -1,0 +1,87 @@
+"""The command that scores the models against published data, or against a user's own measurement."""
+
+import sys
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .options import Settings, Threads
+
+
+def score(
+    case_file: Annotated[
+        Path | None, typer.Argument(help="case file of a measurement, with --against", show_default=False)
+    ] = None,
+    against: Annotated[
+        list[Path] | None,
+        typer.Option("--against", metavar="CSV", help="trace measured on this case; may be repeated"),
+    ] = None,
+    models: Annotated[
+        str, typer.Option(metavar="NAME,...", help="models to score  [default: all but the slow ones]")
+    ] = "",
+    cases: Annotated[str, typer.Option(metavar="NAME,...", help="published cases to score  [default: all]")] = "",
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="folder for the page, its figures and what was computed")
+    ] = Path("scores"),
+    speed: Annotated[
+        float | None, typer.Option(min=0.0, metavar="M/S", help="reference speed of a trace's coefficients")
+    ] = None,
+    area: Annotated[
+        float | None,
+        typer.Option(min=0.0, metavar="M2", help="their reference area  [default: chord times span]"),
+    ] = None,
+    shift: Annotated[
+        str, typer.Option(metavar="BEATS|best", help="how late the trace is against the case's time")
+    ] = "0",
+    settings: Settings = None,
+    threads: Threads = None,
+) -> None:
+    """Score the models against published data; with a case and --against, compare them with your own measurement."""
+    from ..published.scores import tiers
+
+    wanted = tiers.chosen(filter(None, models.split(",")))
+    if case_file or against:
+        _compare(case_file, against or [], wanted, speed, area, shift, settings or [], threads, output)
+        return
+    from ..published.scores import library, report, table
+    from ..published.scores import score as study
+
+    found = library.chosen(filter(None, cases.split(",")))
+    report.check_folder(output)
+    store = study.Store(output / report.STORE)
+    with _bar("scoring") as told:
+        rows = study.score(found, wanted, store, threads=threads, progress=told)
+    print("\n".join(table.lines(rows, wanted)))
+    print(*(f"{path} written" for path in report.write(rows, wanted, output)), sep="\n")
+
+
+def _compare(
+    case_file: Path | None, files: list[Path], wanted: Any, speed: float | None, area: float | None, shift: str,
+    settings: list[str], threads: int | None, output: Path,
+) -> None:  # fmt: skip
+    from ..case.case import load_case
+    from ..published.scores import against, pictures, report
+    from ..published.scores.tiers import ScoreError
+
+    if case_file is None or not files:
+        raise ScoreError("a case file and --against go together: taichiflap score CASE --against trace.csv")
+    case = load_case(case_file, settings)
+    late = against.read_shift(shift)
+    for file in files:
+        trace = against.read_trace(file)
+        found = against.compare(case, trace, wanted, speed=speed, area=area, shift=late, threads=threads)
+        print("\n".join(against.lines(trace, found)))
+        report.check_folder(output)
+        path = output / f"{file.stem}.png"
+        report.save_figure(pictures.comparison(found), path)
+        print(f"{path} written")
+
+
+def _bar(title: str) -> Any:
+    if not sys.stderr.isatty():
+        return nullcontext()
+    from .progress import steps
+
+    return steps(title)

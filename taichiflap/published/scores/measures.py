@@ -1,0 +1,114 @@
+"""What is scored: a coefficient of a result over a window of time."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...metrics.summary import in_stream
+from ...results.reader import Result
+from ...structure.chordwise import Profile
+
+Array = NDArray[np.float64]
+
+MOMENTS = 2000
+"""Times at which a window is looked at, whatever the step."""
+ANGLES = ("C_L phase", "C_L phase 2", "C_D phase 2", "tip phase")
+"""Quantities in degrees, which wrap."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Coefficients of a result against time, over `rho U^2 c h / 2` with the reference speed U of the case.
+
+    Attributes:
+        time: in beats for a periodic motion, in s otherwise.
+        lift, drag: across and against the stream; in hover the vertical force, and the force against the stroke.
+        power: mechanical, over `rho U^3 c h / 2`.
+        plunge, tip: position of the pivot along Z, and deflection of the trailing edge, chords.
+    """
+
+    time: Array
+    lift: Array
+    drag: Array
+    power: Array
+    plunge: Array
+    tip: Array
+
+    @classmethod
+    def of(cls, result: Result, speed: float) -> "Trace":
+        """The coefficients of a result.
+
+        Args:
+            speed: the reference speed, m/s.
+        """
+        case = result.case
+        area = case.wing.chord * Profile.of(case.wing.span).mean
+        force = 0.5 * case.fluid.density * speed**2 * area
+        if any(case.fluid.velocity):
+            lift, thrust = in_stream(case, result.force_y, result.force_z)
+            drag = -thrust
+        else:
+            lift = result.force_vertical
+            drag = -result.force_z * np.sign(np.gradient(result.plunge, result.time))
+        return cls(
+            time=result.time / (case.beat if case.periodic else 1.0),
+            lift=lift / force,
+            drag=drag / force,
+            power=result.power / (force * speed),
+            plunge=result.plunge / case.wing.chord,
+            tip=result.tip_deflection / case.wing.chord,
+        )
+
+    def during(self, window: tuple[float, float]) -> "Trace":
+        """The same at evenly spaced times of a window, whose end is left out."""
+        times = np.linspace(*window, MOMENTS, endpoint=False)
+        rows = (getattr(self, name) for name in ("lift", "drag", "power", "plunge", "tip"))
+        return Trace(times, *(np.interp(times, self.time, row) for row in rows))
+
+
+def harmonic(time: Array, values: Array, order: int) -> complex:
+    """Complex amplitude `a` of `Re(a exp(2 pi i order t))`, with the time in beats."""
+    return complex(2.0 * np.mean(values * np.exp(-2j * math.pi * order * time)))
+
+
+def _peak_time(trace: Trace) -> float:
+    return float(trace.time[np.argmax(trace.lift)])
+
+
+def _phase(value: complex) -> float:
+    return math.degrees(math.atan2(value.imag, value.real))
+
+
+def _tip(trace: Trace) -> complex:
+    return harmonic(trace.time, trace.tip, 1) / harmonic(trace.time, trace.plunge, 1)
+
+
+QUANTITIES: dict[str, Callable[[Trace], float]] = {
+    "C_L mean": lambda trace: float(trace.lift.mean()),
+    "C_D mean": lambda trace: float(trace.drag.mean()),
+    "C_T mean": lambda trace: -float(trace.drag.mean()),
+    "C_P mean": lambda trace: float(trace.power.mean()),
+    "C_L peak": lambda trace: float(trace.lift.max()),
+    "C_L peak time": _peak_time,
+    "C_D peak": lambda trace: float(trace.drag.max()),
+    "C_L amplitude": lambda trace: abs(harmonic(trace.time, trace.lift, 1)),
+    "C_L phase": lambda trace: _phase(harmonic(trace.time, trace.lift, 1)),
+    "C_L amplitude 2": lambda trace: abs(harmonic(trace.time, trace.lift, 2)),
+    "C_L phase 2": lambda trace: _phase(harmonic(trace.time, trace.lift, 2)),
+    "C_D amplitude 2": lambda trace: abs(harmonic(trace.time, trace.drag, 2)),
+    "C_D phase 2": lambda trace: _phase(harmonic(trace.time, trace.drag, 2)),
+    "pitch amplitude": lambda trace: math.degrees(math.atan(abs(harmonic(trace.time, trace.tip, 1)))),
+    "tip amplitude": lambda trace: abs(_tip(trace)),
+    "tip phase": lambda trace: _phase(_tip(trace)),
+}
+"""Each over a window of a trace. Harmonics are of the beat; "2" is the second, the first of what repeats twice a beat.
+Phases and the pitch of the chord line are in degrees, the peak's time is in the unit of the window; the tip's
+deflection is over the plunge, and its phase relative to it."""
+
+
+def measure(trace: Trace, quantity: str, window: tuple[float, float]) -> float:
+    """A quantity of a trace over a window."""
+    return QUANTITIES[quantity](trace.during(window))

@@ -1,0 +1,71 @@
+"""The scored cases nearest to a case, and how much its model errs there."""
+
+import functools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+from ...case.case import Case, read_value
+from .regime import Regime
+from .tiers import TIERS, Tier
+
+NEAR = 1.0
+"""Cases farther apart say nothing of each other, see `Regime.distance`."""
+MOST = 2
+"""How many cases are named."""
+
+
+@dataclass(frozen=True)
+class Neighbour:
+    """A scored case near another, and the model's errors there by quantity, as shares."""
+
+    name: str
+    distance: float
+    errors: Mapping[str, float]
+
+
+def tier_of(case: Case) -> Tier | None:
+    """The scored setting that a case has: the one of which it shares all settings, and the most; None if none."""
+    document = case.to_dict()
+    alike = [tier for tier in TIERS if all(_has(document, setting) for setting in tier.settings)]
+    return max(alike, key=lambda tier: len(tier.settings), default=None)
+
+
+def _has(document: Mapping[str, Any], setting: str) -> bool:
+    key, _, text = setting.partition("=")
+    value: Any = document
+    for part in key.split("."):
+        value = value.get(part) if isinstance(value, Mapping) else None
+    return bool(value == read_value(text))
+
+
+@functools.cache
+def known() -> dict[str, dict[str, Any]]:
+    """Of each case of the committed page its regime, and its errors by tier and quantity, as shares."""
+    return json.loads(resources.files(__package__).joinpath("known.json").read_text(encoding="utf-8"))
+
+
+def nearest(case: Case) -> list[Neighbour]:
+    """The nearest scored cases of a case's model, nearest first; an empty list if none is near."""
+    tier = tier_of(case)
+    if tier is None:
+        return []
+    here, found = Regime.of(case), []
+    for name, one in known().items():
+        errors, distance = one["errors"].get(tier.name), here.distance(Regime(**one["regime"]))
+        if errors and distance <= NEAR:
+            found.append(Neighbour(name, distance, errors))
+    return sorted(found, key=lambda neighbour: neighbour.distance)[:MOST]
+
+
+def sentence(case: Case) -> str:
+    """What the scores say of a case: the nearest and its first errors, or that nothing is near."""
+    found = nearest(case)
+    return "; ".join(map(_told, found)) or "none is near in reduced frequency, stroke, angle of attack and stiffness"
+
+
+def _told(one: Neighbour) -> str:
+    errors = (f"{name} {100 * error:+.0f} %" for name, error in list(one.errors.items())[:2])
+    return f"{one.name}: {', '.join(errors)}"

@@ -1,0 +1,87 @@
+"""Where a case stands among others: the numbers that decide which model is right."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...case.case import Case
+from ...motion import sampling
+from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE_RATE
+from ...structure import beam
+
+MOMENTS = 512
+"""Times of a beat at which the motion is looked at."""
+SMALLEST = 1e-3
+"""Reduced frequencies and strokes below this are alike."""
+
+
+@dataclass(frozen=True)
+class Regime:
+    """Dimensionless numbers of a case.
+
+    Attributes:
+        hovers: whether there is no free stream.
+        bends: whether the wing has modes.
+        reduced_frequency: pi f c / U, with the root mean square speed U of mid-chord relative to the fluid; 0 where
+            nothing repeats.
+        stroke: extent of the plunge, chords.
+        angle: mean angle of attack at mid-chord, weighted by the square of the speed, degrees.
+        reynolds: U c / nu; None without a viscosity.
+        frequency_ratio: flapping over first natural frequency; 0 for a rigid wing.
+    """
+
+    hovers: bool
+    bends: bool
+    reduced_frequency: float
+    stroke: float
+    angle: float
+    reynolds: float | None
+    frequency_ratio: float
+
+    @classmethod
+    def of(cls, case: Case) -> "Regime":
+        """The regime of a case, from its motion in the last beat."""
+        chord, viscosity = case.wing.chord, case.fluid.viscosity
+        moved = sampling.sample(case.motion, np.linspace(case.duration - case.beat, case.duration, MOMENTS))
+        cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
+        past_y = case.fluid.velocity[0] - moved[:, SURGE_RATE]
+        past_z = case.fluid.velocity[1] - moved[:, PLUNGE_RATE]
+        along = past_y * cosine + past_z * sine
+        across = past_z * cosine - past_y * sine - (0.5 - case.wing.pivot) * chord * moved[:, PITCH_RATE]
+        squared = along**2 + across**2
+        speed = math.sqrt(squared.mean())
+        angles = np.degrees(np.arctan2(np.abs(across), np.abs(along)))
+        frequency = case.motion.frequency or 0.0
+        first = beam.modes(case.wing).frequency[:1]
+        return cls(
+            hovers=not any(case.fluid.velocity),
+            bends=bool(first.size),
+            reduced_frequency=math.pi * frequency * chord / speed if speed else 0.0,
+            stroke=float(np.ptp(moved[:, PLUNGE])) / chord,
+            angle=float(np.average(angles, weights=squared)) if speed else 0.0,
+            reynolds=speed * chord / viscosity if viscosity else None,
+            frequency_ratio=frequency / float(first[0]) if first.size and frequency else 0.0,
+        )
+
+    def distance(self, other: "Regime") -> float:
+        """How far two regimes are apart; infinite for hover and stream, and for rigid and flexible wings.
+
+        1 is a factor of e in the reduced frequency or in the stroke, 30 deg in the angle of attack, a factor of ten in
+        the Reynolds number, or 0.3 in the frequency ratio.
+        """
+        if self.hovers != other.hovers or self.bends != other.bends:
+            return math.inf
+        parts = [
+            _logarithm(self.reduced_frequency, other.reduced_frequency),
+            _logarithm(self.stroke, other.stroke),
+            (self.angle - other.angle) / 30.0,
+            (self.frequency_ratio - other.frequency_ratio) / 0.3,
+        ]
+        if self.reynolds and other.reynolds:
+            parts.append(math.log10(self.reynolds / other.reynolds))
+        return math.hypot(*parts)
+
+
+def _logarithm(one: float, other: float) -> float:
+    return math.log(max(one, SMALLEST) / max(other, SMALLEST))

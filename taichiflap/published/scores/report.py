@@ -1,0 +1,141 @@
+"""The page of scores: tables and figures by regime, as Markdown and as one HTML page."""
+
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from ... import files
+from ..._version import __version__
+from .. import page
+from . import pictures
+from .library import EXCLUDED
+from .regime import Regime
+from .score import Row
+from .table import groups
+from .tiers import Tier
+from .verdict import hopeless, sentence
+
+MARKDOWN, PAGE, STORE, KNOWN = "scores.md", "scores.html", "scores.json", "known.json"
+RESOLUTION = 150
+
+
+def write(rows: Sequence[Row], tiers: Sequence[Tier], folder: Path) -> list[Path]:
+    """Write the page and its figures into a folder.
+
+    Returns:
+        The two pages.
+
+    Raises:
+        OutputError: when a file cannot be written.
+    """
+    _save(folder / KNOWN, json.dumps(known(rows), indent=1).encode() + b"\n")
+    figures = pictures.drawn(rows, tiers)
+    for name, _, figure in figures:
+        for kind in ("png", "svg"):
+            save_figure(figure, folder / f"{name}.{kind}")
+    found = blocks(rows, tiers, [(name, caption) for name, caption, _ in figures])
+    _save(folder / MARKDOWN, page.markdown(found).encode())
+    _save(folder / PAGE, page.page(found, folder).encode())
+    return [folder / MARKDOWN, folder / PAGE]
+
+
+def known(rows: Sequence[Row]) -> dict[str, Any]:
+    """What `nearest` looks up: by case its regime, and the errors by tier and quantity, as shares."""
+    found: dict[str, Any] = {}
+    for row in rows:
+        one = row.published
+        if one.name not in found:
+            found[one.name] = {"regime": asdict(Regime.of(one.case())), "errors": {}}
+        for tier in row.outcomes:
+            value = row.value(tier)
+            if value is not None:
+                own = found[one.name]["errors"].setdefault(tier, {})
+                own[row.truth.quantity] = round(row.truth.error(value), 4)
+    return found
+
+
+def check_folder(folder: Path) -> None:
+    """Make the folder of the page.
+
+    Raises:
+        OutputError: when it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise files.OutputError(f"{folder}: cannot be made: {error.strerror or error}") from None
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the file's name.
+
+    Raises:
+        OutputError: when it cannot be written.
+    """
+    buffer, kind = io.BytesIO(), path.suffix[1:]
+    with mpl.rc_context(pictures.STYLE):
+        figure.savefig(buffer, format=kind, dpi=RESOLUTION, metadata={"Date": None} if kind == "svg" else None)
+    _save(path, buffer.getvalue())
+
+
+def _save(path: Path, content: bytes) -> None:
+    with files.replacing(path) as file:
+        file.write(content)
+
+
+def blocks(rows: Sequence[Row], tiers: Sequence[Tier], figures: Sequence[tuple[str, str]]) -> list[page.Block]:
+    """The page, block by block."""
+    found: list[page.Block] = [
+        page.Heading(1, "Which model is right where"),
+        page.Paragraph(
+            f"Written by `taichiflap score` of version {__version__}. Each row compares the models with a published or "
+            "exact figure. The band is the scatter between sources, or the error of the instrument. A value is inside "
+            "the band, within 25 % of the figure, or outside; phases are within 25 % when they err by less than 22.5 "
+            "deg. In each regime the figures that every model misses stand first."
+        ),
+    ]
+    named = dict(figures)
+    missed = [row for row in rows if hopeless(row)]
+    if missed:
+        names = "; ".join(f"{row.published.name}, {row.truth.quantity}" for row in missed)
+        found.append(page.Paragraph(f"Figures that no model comes within 25 % of: {names}."))
+    for number, (name, own) in enumerate(groups(rows), 1):
+        found += [page.Heading(2, name), page.Paragraph(sentence(own, tiers)), _table(own, tiers)]
+        if f"scores-{number}" in named:
+            found.append(page.Figure(f"scores-{number}", named[f"scores-{number}"]))
+        found.append(
+            page.Paragraph("Sources: " + "; ".join(dict.fromkeys(row.published.citation for row in own)) + ".")
+        )
+    if "scores-histories" in named:
+        found += [page.Heading(2, "Time histories"), page.Figure("scores-histories", named["scores-histories"])]
+    found += [page.Heading(2, "Not scored"), page.Table(("data", "reason"), EXCLUDED)]
+    return found
+
+
+def _table(rows: Sequence[Row], tiers: Sequence[Tier]) -> page.Table:
+    heads = ("case", "figure", "published", "band", *(tier.label for tier in tiers))
+    body = [
+        (
+            row.published.about if number == 0 or rows[number - 1].published is not row.published else "",
+            row.truth.quantity,
+            f"{row.truth.value:.4g}",
+            f"{row.truth.low:.4g} to {row.truth.high:.4g}",
+            *(_cell(row, tier) for tier in tiers),
+        )
+        for number, row in enumerate(rows)
+    ]
+    return page.Table(heads, body)
+
+
+def _cell(row: Row, tier: Tier) -> str:
+    value = row.value(tier.name)
+    if value is None:
+        outcome = row.outcomes.get(tier.name)
+        return "not run" if outcome is None else "failed"
+    return f"{value:.3g}, {100 * row.truth.error(value):+.0f} %, {row.truth.word(value)}"

@@ -1,0 +1,167 @@
+"""Run published cases in every model, and keep what was found, so that the next call goes on where this one stopped."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from ... import files
+from ..._version import __version__
+from ...case.case import Case
+from ...run.blocks import simulate
+from .measures import Trace, measure
+from .tiers import ScoreError, Tier
+from .truths import Published, Truth
+
+DRAWN = 300
+"""Points of a stored time history, about."""
+BATCH = 8
+"""Cases that march side by side before their figures are kept."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a model gave for a published case.
+
+    Attributes:
+        case, tier: names.
+        key: of the case file and the version; another key is another run.
+        values: by quantity; empty if the run failed.
+        seconds: solve time, s.
+        reason: why the run failed, or an empty text.
+        trace: time, lift and drag coefficient of a case whose time histories are drawn.
+    """
+
+    case: str
+    tier: str
+    key: str
+    values: dict[str, float]
+    seconds: float
+    reason: str = ""
+    trace: dict[str, list[float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A published figure, and what each tier that was run gave for it."""
+
+    published: Published
+    truth: Truth
+    outcomes: dict[str, Outcome]
+
+    def value(self, tier: str) -> float | None:
+        """A tier's value; None if it was not run or failed."""
+        outcome = self.outcomes.get(tier)
+        return outcome.values.get(self.truth.quantity) if outcome else None
+
+
+class Store:
+    """Outcomes in a JSON file, or in memory without a path.
+
+    Raises:
+        ScoreError: when the file holds something else.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self.path = path
+        self._found: dict[tuple[str, str], Outcome] = {}
+        if path is not None and path.exists():
+            try:
+                rows = json.loads(path.read_text(encoding="utf-8"))["outcomes"]
+                self._found = {(row["case"], row["tier"]): Outcome(**row) for row in rows}
+            except (OSError, ValueError, KeyError, TypeError):
+                raise ScoreError(f"{path}: is no file of scores; name another with -o") from None
+
+    def get(self, case: str, tier: str, key: str) -> Outcome | None:
+        """What was found for a run, if it was this one."""
+        found = self._found.get((case, tier))
+        return found if found and found.key == key else None
+
+    def add(self, outcomes: Sequence[Outcome]) -> None:
+        """Keep outcomes, on the disk at once."""
+        self._found |= {(one.case, one.tier): one for one in outcomes}
+        if self.path is not None:
+            text = json.dumps({"outcomes": [asdict(one) for one in self._found.values()]}, indent=1)
+            with files.replacing(self.path) as file:
+                file.write(text.encode())
+
+
+def key_of(case: Case) -> str:
+    """What a run depends on: the case and the version of the solver."""
+    return hashlib.sha256(f"{__version__}\n{case.to_toml()}".encode()).hexdigest()[:16]
+
+
+def score(
+    cases: Sequence[Published],
+    tiers: Sequence[Tier],
+    store: Store | None = None,
+    *,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Row]:
+    """Score models against published figures.
+
+    Args:
+        cases: published cases.
+        tiers: models with their settings.
+        store: where outcomes are kept, and looked up before a run.
+        threads: how many threads to use; all of them if None. It does not change any result.
+        progress: called with the number of runs done, and of all runs.
+
+    Returns:
+        A row for each published figure of a case that some model was run for, in the order of the cases.
+    """
+    store = store or Store(None)
+    found: dict[tuple[str, str], Outcome] = {}
+    done, total = 0, len(cases) * len(tiers)
+    for tier in tiers:
+        missing = []
+        for one in cases:
+            if not tier.runs(one):
+                done += 1
+                continue
+            case = tier.case(one)
+            known = store.get(one.name, tier.name, key_of(case))
+            if known:
+                found[one.name, tier.name] = known
+                done += 1
+            else:
+                missing.append((one, case))
+        for first in range(0, len(missing), BATCH):
+            group = missing[first : first + BATCH]
+            outcomes = list(_run(group, tier, threads))
+            store.add(outcomes)
+            found |= {(one.case, one.tier): one for one in outcomes}
+            done += len(group)
+            if progress:
+                progress(done, total)
+    ran = {name for name, _ in found}
+    return [
+        Row(one, truth, {tier.name: found[one.name, tier.name] for tier in tiers if (one.name, tier.name) in found})
+        for one in cases
+        if one.name in ran
+        for truth in one.truths
+    ]
+
+
+def _run(group: Sequence[tuple[Published, Case]], tier: Tier, threads: int | None) -> Iterator[Outcome]:
+    # Series alone: a wake in every frame would fill the memory.
+    results = simulate([case.override(f"output.every={case.steps}") for _, case in group], threads=threads)
+    for (one, case), result in zip(group, results, strict=True):
+        with result:
+            values, drawn = {}, {}
+            if result.status == "complete":
+                trace = Trace.of(result, one.speed)
+                if one.waves is not None:
+                    drawn = _thinned(trace)
+                values = {truth.quantity: measure(trace, truth.quantity, truth.window) for truth in one.truths}
+            reason = result.attributes.get("reason", "")
+            seconds = float(result.attributes["solve_time"])
+            yield Outcome(one.name, tier.name, key_of(case), values, seconds, reason, drawn)
+
+
+def _thinned(trace: Trace) -> dict[str, list[float]]:
+    every = max(1, len(trace.time) // DRAWN)
+    rows = {"time": trace.time, "C_L": trace.lift, "C_D": trace.drag}
+    return {name: [round(float(value), 5) for value in row[::every]] for name, row in rows.items()}

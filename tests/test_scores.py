@@ -1,0 +1,240 @@
+"""Scores: words, windows and sentences on values that are known, and one asserted error a regime."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import hawkmoth
+
+import taichiflap
+from taichiflap.case.case import parse_case
+from taichiflap.published.scores import against, library, nearest, report, score, table, tiers, verdict
+from taichiflap.published.scores.measures import QUANTITIES, Trace, measure
+from taichiflap.published.scores.regime import Regime
+from taichiflap.published.scores.score import Outcome, Row
+from taichiflap.published.scores.tiers import TIERS, ScoreError
+from taichiflap.published.scores.truths import NEAR, OUTSIDE, WITHIN, Truth
+
+DBET = next(tier for tier in TIERS if tier.name == "dbet")
+PAPER = next(tier for tier in TIERS if tier.name == "dbet-paper")
+TIMES = np.linspace(0.0, 4.0, 801)
+
+
+def trace(lift=0.0, drag=0.0, power=0.0, plunge=0.0, tip=0.0):
+    return Trace(TIMES, *(value + 0.0 * TIMES for value in (lift, drag, power, plunge, tip)))
+
+
+def test_a_value_is_inside_its_band_near_or_outside():
+    truth = Truth("C_L mean", 2.0, 1.9, 2.2, (0.0, 1.0), "")
+    assert [truth.word(value) for value in (1.9, 2.2, 2.4, 1.5, 2.6, -2.0)] == [
+        WITHIN, WITHIN, NEAR, NEAR, OUTSIDE, OUTSIDE,
+    ]  # fmt: skip
+    assert truth.error(2.5) == pytest.approx(0.25)
+
+
+def test_phases_wrap_and_err_as_shares_of_a_right_angle():
+    truth = Truth("tip phase", -177.0, -178.0, -176.0, (0.0, 1.0), "")
+    assert truth.error(174.0) == pytest.approx(-0.1)
+    assert truth.word(182.5) == WITHIN
+    assert truth.word(170.0) == NEAR
+    assert truth.word(0.0) == OUTSIDE
+
+
+def test_quantities_of_known_waves():
+    angle = 2 * np.pi * TIMES
+    known = trace(
+        lift=1.0 + 0.5 * np.cos(2 * angle + 0.7), drag=-0.3 + 0.2 * np.cos(2 * angle - 1.0), power=2.0,
+        plunge=0.01 * np.cos(angle), tip=0.02 * np.cos(angle - 0.4),
+    )  # fmt: skip
+    found = {name: measure(known, name, (2.0, 4.0)) for name in QUANTITIES}
+    assert found["C_L mean"] == pytest.approx(1.0, abs=1e-6)
+    assert found["C_T mean"] == -found["C_D mean"] == pytest.approx(0.3, abs=1e-6)
+    assert found["C_P mean"] == pytest.approx(2.0)
+    assert found["C_L amplitude"] == pytest.approx(0.0, abs=1e-6)
+    assert found["C_L amplitude 2"] == pytest.approx(0.5, rel=1e-3)
+    assert found["C_L phase 2"] == pytest.approx(math.degrees(0.7), abs=1e-3)
+    assert found["C_D phase 2"] == pytest.approx(-math.degrees(1.0), abs=1e-3)
+    assert found["C_L peak"] == pytest.approx(1.5, abs=1e-4)
+    assert found["tip amplitude"] == pytest.approx(2.0, rel=1e-6)
+    assert found["tip phase"] == pytest.approx(-math.degrees(0.4), abs=1e-4)
+    assert found["pitch amplitude"] == pytest.approx(math.degrees(math.atan(0.02)), rel=1e-3)
+
+
+def test_coefficients_of_a_plate_in_a_stream():
+    """C_L = 2 pi sin(alpha) of a steady plate, whatever its chord, span and speed."""
+    case = parse_case({
+        "solver": "uvlm",
+        "wing": {"chord": 0.2, "span": 0.3, "modes": 0, "thickness": 1e-3, "density": 1000.0, "youngs_modulus": 1e9},
+        "motion": {"pitch": {"mean_deg": -5.0}},
+        "fluid": {"density": 2.0, "velocity": [3.0, 0.0]},
+        "uvlm": {"panels": 8, "suction": True},
+        "time": {"duration": 8.0, "step": 0.02},
+    })  # fmt: skip
+    with taichiflap.simulate(case) as result:
+        found = Trace.of(result, 3.0)
+    assert found.lift[-1] == pytest.approx(2 * math.pi * math.sin(math.radians(5.0)), rel=0.01)
+    assert abs(found.drag[-1]) < 0.005
+
+
+def test_every_published_case_is_sound():
+    cases = library.published()
+    assert len({one.name for one in cases}) == len(cases) > 40
+    for one in cases:
+        case = one.case()
+        assert one.truths, one.name
+        assert one.citation
+        assert one.about
+        for truth in one.truths:
+            assert truth.quantity in QUANTITIES
+            assert truth.low <= truth.value <= truth.high
+            end = case.duration / case.beat if case.periodic else case.duration
+            assert 0.0 <= truth.window[0] < truth.window[1] <= end * (1 + 1e-9)
+        for tier in TIERS:
+            if tier.runs(one):
+                tier.case(one)
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "value"),
+    [("hover", "C_L mean", 0.861), ("ramp90", "C_D mean", 3.14), ("plate-0.2-2-2", "tip amplitude", 2.01)],
+)
+def test_scores_of_the_blade_elements_as_the_paper_has_them(name, quantity, value):
+    rows = score.score(library.chosen([name]), [PAPER])
+    (row,) = (row for row in rows if row.truth.quantity == quantity)
+    assert row.value(PAPER.name) == pytest.approx(value, rel=0.01)
+
+
+def outcome(row, value, tier="dbet"):
+    return Outcome(row.published.name, tier, "", {row.truth.quantity: value}, 0.0)
+
+
+def rows_of(name, share, tier="dbet"):
+    """Rows of a case with values that err by a share of the truth."""
+    (one,) = library.chosen([name])
+    values = {truth.quantity: truth.value * (1.0 + share) for truth in one.truths}
+    return [Row(one, truth, {tier: Outcome(name, tier, "", values, 0.0)}) for truth in one.truths]
+
+
+def test_the_sentence_names_the_best_model_or_none():
+    good, bad = rows_of("anderson-0.3", 0.0), rows_of("anderson-0.3", 0.6)
+    assert verdict.sentence(good, [DBET]) == "Use DBET: mean error 0 %, 2 of 2 figures inside the band."
+    assert verdict.sentence(bad, [DBET]).startswith("No model comes within 25 % on the mean; the nearest is DBET")
+    assert verdict.hopeless(bad[0])
+    assert not verdict.hopeless(good[0])
+
+
+def test_rows_that_every_model_misses_stand_first():
+    rows = [*rows_of("anderson-0.2", 0.0), *rows_of("anderson-0.4", 0.9)]
+    ((_, sorted_rows),) = table.groups(rows)
+    assert [row.published.name for row in sorted_rows] == ["anderson-0.4"] * 2 + ["anderson-0.2"] * 2
+
+
+def test_scores_are_kept_and_not_run_again(tmp_path, monkeypatch):
+    path = tmp_path / "scores.json"
+    cases = library.chosen(["anderson-0.2"])
+    first = score.score(cases, [DBET], score.Store(path))
+    monkeypatch.setattr(score, "simulate", lambda *a, **k: pytest.fail("ran again"))
+    again = score.score(cases, [DBET], score.Store(path))
+    assert [row.value("dbet") for row in again] == [row.value("dbet") for row in first]
+    monkeypatch.setattr(score, "__version__", "9.9")
+    with pytest.raises(pytest.fail.Exception):
+        score.score(cases, [DBET], score.Store(path))
+    path.write_text("[]")
+    with pytest.raises(ScoreError, match="is no file of scores"):
+        score.Store(path)
+
+
+def test_names_that_are_none():
+    with pytest.raises(ScoreError, match="did you mean hover"):
+        library.chosen(["hoover"])
+    with pytest.raises(ScoreError, match="no such model"):
+        tiers.chosen(["dbett"])
+
+
+def test_the_page_holds_rows_figures_and_what_is_left_out(tmp_path):
+    cases = library.chosen(["hover", "anderson-0.2"])
+    rows = score.score(cases, [DBET])
+    pages = report.write(rows, [DBET], tmp_path)
+    text = pages[0].read_text("utf-8")
+    for row in rows:
+        assert f"{row.truth.value:.4g}" in text
+    assert "Not scored" in text
+    for name in ("scores-1.png", "scores-2.svg", "scores-histories.png"):
+        assert (tmp_path / name).stat().st_size > 5000
+
+
+def test_a_regime_is_near_itself_and_far_from_others():
+    hover, ramp = (Regime.of(one.case()) for one in library.chosen(["hover", "ramp45"]))
+    assert hover.distance(hover) == 0.0
+    assert math.isinf(hover.distance(ramp))
+    moth = Regime.of(hawkmoth("wing.modes=0"))
+    assert moth.distance(hover) == hover.distance(moth) > 0.0
+    assert moth.stroke == pytest.approx(2.0, rel=1e-4)
+
+
+def test_a_case_finds_itself_among_the_scored():
+    (one,) = library.chosen(["anderson-0.3"])
+    found = nearest.nearest(DBET.case(one))
+    assert found[0].name == "anderson-0.3"
+    assert found[0].distance == 0.0
+    assert "anderson-0.3: C_T mean" in nearest.sentence(DBET.case(one))
+
+
+def test_a_case_unlike_any_says_so():
+    strange = parse_case(library.chosen(["hover"])[0].document).override("motion.plunge.amplitude=0.05", "solver=dbet")
+    assert nearest.nearest(strange) == []
+    assert nearest.sentence(strange).startswith("none is near")
+
+
+def test_what_is_known_covers_the_fast_tiers():
+    known = nearest.known()
+    for one in library.published():
+        assert {tier.name for tier in TIERS if tier.runs(one)} == known[one.name]["errors"].keys(), one.name
+        assert Regime(**known[one.name]["regime"]).distance(Regime.of(one.case())) < 1e-9
+
+
+def test_the_models_own_trace_compares_without_a_difference(tmp_path):
+    case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
+    with taichiflap.simulate(case) as result:
+        beat = slice(600, 801)
+        time, force = result.time[beat], result.force_vertical[beat]
+    file = tmp_path / "mine.csv"
+    rows = "".join(f"{1000 * t},{1000 * f}\n" for t, f in zip(time, force, strict=True))
+    file.write_text(f"# measured by nobody\ntime [ms],force_vertical [mN]\n{rows}")
+    (found,) = against.compare(case, against.read_trace(file), [DBET])
+    assert found.rms < 0.02
+    assert found.mean[0] == pytest.approx(found.mean[1], rel=0.01)
+    assert found.peak_time[0] % 0.5 == pytest.approx(found.peak_time[1] % 0.5, abs=0.01)  # two like peaks a beat
+    late = against.Trace(file, time + 0.25 * case.beat, False, {"force_vertical": force})
+    (shifted,) = against.compare(case, late, [DBET], shift=None)
+    assert shifted.rms < 0.03
+    text = "\n".join(against.lines(late, [shifted]))
+    assert "force_vertical" in text
+    assert "rms diff." in text
+
+
+def test_coefficients_need_their_speed_and_lift_a_stream(tmp_path):
+    case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
+    time = np.arange(50) / 50
+    for name, problem in (("C_V", "needs the reference speed"), ("lift", "needs a stream")):
+        with pytest.raises(ScoreError, match=problem):
+            against.compare(case, against.Trace(tmp_path, time, True, {name: time}), [DBET])
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("t/T,C_V\n0,1\n", "give a line of names and at least 4 rows"),
+        ("C_V,power [mW]\n" + "1,2\n" * 5, "needs one column of time"),
+        ("t/T,force\n" + "1,2\n" * 5, 'column "force" is not known'),
+        ("t/T,power [hp]\n" + "1,2\n" * 5, "unit hp is not known"),
+        ("t/T,C_V\n0,1\n0.1,a\n0.2,1\n0.3,1\n0.4,1\n", "give numbers"),
+        ("t/T,C_V\n0,1\n0.1,1\n0.1,1\n0.3,1\n0.4,1\n", "times must rise"),
+        ("t/T\n0\n1\n2\n3\n4\n", "no quantity beside the time"),
+    ],
+)
+def test_traces_that_cannot_be_read(tmp_path, text, problem):
+    file = tmp_path / "trace.csv"
+    file.write_text(text)
+    with pytest.raises(ScoreError, match=problem):
+        against.read_trace(file)
