@@ -18,6 +18,8 @@ from .truths import NEARBY, Published
 COLOURS = ("#0060a8", "#d55e00", "#008560", "#8a4fbf", "#b58900", "#16191d")
 WIDTH, ROW, MARGIN = 8.0, 0.24, 1.1
 """Inches: of a figure, of a row of a chart, and of what stands around the rows."""
+ABREAST = 4
+"""Entries of a legend side by side."""
 FARTHEST = 150.0
 """Errors beyond this, %, stand at the edge of the chart."""
 _INK = palette.LIGHT
@@ -73,7 +75,7 @@ def histories(rows: Sequence[Row], tiers: Sequence[Tier]) -> Figure | None:
             for axes, name in zip(line, ("C_L", "C_D"), strict=True):
                 _history(axes, one, name, outcomes[one.name], tiers)
         handles, labels = grid[0, 0].get_legend_handles_labels()
-        drawn.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+        drawn.legend(handles, labels, loc="outside upper center", ncols=ABREAST)
     return drawn
 
 
@@ -110,7 +112,7 @@ def comparison(found: Sequence[Comparison]) -> Figure:
             for one, colour in zip(own, COLOURS, strict=False):
                 axes.plot(one.phases, one.modelled, color=colour, linewidth=1.0, label=one.tier.label)
             axes.set(xlabel="time, beats" if own[0].harmonics else "time, s", ylabel=_written(name))
-        drawn.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=len(own) + 1)
+        drawn.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=ABREAST)
     return drawn
 
 
