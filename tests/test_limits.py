@@ -186,3 +186,13 @@ def test_twice_the_steps_are_advised_where_they_help():
             "Twice the steps do not get further. Likely to help: a larger wing.youngs_modulus"
             in (result.attributes["reason"])
         )
+
+
+def test_a_result_holds_its_residual_and_what_its_coefficients_are_made_with(tmp_path):
+    """As `summarise` says; NaN in a run that failed."""
+    case = hawkmoth("time.periods=3", "uvlm.panels=8", "uvlm.core=0.02")
+    with taichiflap.simulate(case, tmp_path / "whole.h5") as result:
+        summary = taichiflap.summarise(result)
+        for name in ("energy_residual", "reference_speed", "reference_area"):
+            assert result.attributes[name] == getattr(summary, name)
+    assert summary.reference_area == pytest.approx(0.02 * 0.05)

@@ -12,7 +12,7 @@ from .._version import __version__
 from ..case.case import Case
 from ..structure.beam import Modes
 from . import hdf
-from .reader import FORMAT
+from .reader import FIGURES, FORMAT
 from .variables import (
     AXES,
     AXES_OF,
@@ -107,7 +107,7 @@ class Layout:
                 "case": case.to_toml(),
             },
         )
-        self._file.attrs.update({"taichiflap_format": FORMAT, "solve_time": np.nan})
+        self._file.attrs.update({"taichiflap_format": FORMAT} | dict.fromkeys(FIGURES, np.nan))
         # With room, so that they too change where they stand.
         warned = "\n".join(warnings)
         hdf.note(self._file, {"warnings": warned}, len(warned.encode()) + WARNING_BYTES)

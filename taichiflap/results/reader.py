@@ -36,9 +36,13 @@ PART = ".part"
 
 ATTRIBUTES = (
     "Conventions", "title", "source", "history", "taichiflap_format", "case", "warnings", "solve_time", "status",
-    "reason",
+    "reason", "energy_residual", "reference_speed", "reference_area",
 )  # fmt: skip
 """What a file says about itself."""
+
+FIGURES = ("solve_time", "energy_residual", "reference_speed", "reference_area")
+"""Numbers among them, known at the end: s; the share of the work that is unaccounted for; and what coefficients are
+made with, m/s and m2. NaN where there is none."""
 
 STATUSES = ("running", "complete", "failed")
 
@@ -337,7 +341,8 @@ def _checked(file: Any, path: Path) -> Result:
 def _check_contents(file: Any, case: Case) -> None:
     """Everything that a reader may ask for is there, in the size that the case makes it."""
     said = integrity.attributes(file, ATTRIBUTES)
-    if not isinstance(said.get("solve_time", 0.0), float) or not isinstance(said.get("warnings", ""), str):
+    numbers = all(isinstance(said.get(name, 0.0), float) for name in FIGURES)
+    if not numbers or not isinstance(said.get("warnings", ""), str):
         raise DamageError("a solve_time or warnings of another kind")
     if integrity.attribute(file, "status") not in STATUSES:
         raise DamageError("no status")

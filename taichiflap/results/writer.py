@@ -190,13 +190,17 @@ class Writer:
         self._kept = time.monotonic()
 
     def finish(
-        self, status: str = "complete", solve_time: float = np.nan, reason: str = "", warnings: Sequence[str] = ()
+        self,
+        status: str = "complete",
+        figures: Mapping[str, float] | None = None,
+        reason: str = "",
+        warnings: Sequence[str] = (),
     ) -> Result:
         """Close the file under its final name and open it for reading.
 
         Args:
             status: `complete` or `failed`.
-            solve_time: seconds spent on the physics.
+            figures: numbers of `reader.FIGURES`, by their names.
             reason: why the run failed.
             warnings: what makes its outcome implausible.
 
@@ -207,7 +211,8 @@ class Writer:
             warned = "\n".join([*self._warnings, *warnings])
             for name, value in {"status": status, "reason": reason, "warnings": warned}.items():
                 hdf.rewrite(self._file, name, value)
-            self._file.attrs.modify("solve_time", solve_time)
+            for name, number in (figures or {}).items():
+                self._file.attrs.modify(name, number)
             if self.path is None:
                 return Result(self._file)
             self._file.close()

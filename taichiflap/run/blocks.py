@@ -170,9 +170,20 @@ def _run(
         results = []
         for b, writer in enumerate(writers):
             reason = march.reason(b, functools.partial(finer_helps, threads=threads))
-            more = [] if reason else warnings.outcome(writer.case, writer.written("tip_deflection"), _summary(writer))
-            more += [] if reason else fluid.outcome(writer.case, writer.written)
-            results.append(writer.finish("failed" if reason else "complete", solve_time, reason, more))
+            figures = {"solve_time": solve_time}
+            if reason:
+                results.append(writer.finish("failed", figures, reason))
+                continue
+            summary = _summary(writer)
+            more = warnings.outcome(writer.case, writer.written("tip_deflection"), summary)
+            more += fluid.outcome(writer.case, writer.written)
+            if summary:
+                figures |= {
+                    name: getattr(summary, name)
+                    for name in ("energy_residual", "reference_speed", "reference_area")
+                    if getattr(summary, name) is not None
+                }
+            results.append(writer.finish("complete", figures, "", more))
         return results
     except BaseException:
         for writer in writers:
