@@ -20,8 +20,8 @@ from taichiflap.results.variables import AXES, MODE_VARIABLES, VARIABLES, WAKE_C
 HERE = Path(__file__).parent
 GENERATED = HERE / "generated"
 COMMANDS = (
-    "", "simulate", "sweep", "converge", "optimise", "strips", "init", "preview", "view", "explore", "info", "plot",
-    "export", "validate", "reproduce", "schema", "cite",
+    "", "simulate", "sweep", "converge", "optimise", "score", "strips", "init", "preview", "view", "explore", "info",
+    "plot", "export", "validate", "reproduce", "schema", "cite",
 )  # fmt: skip
 
 project = "taichiflap"
