@@ -74,18 +74,22 @@ def text(first: Run, second: Run) -> Iterator[str]:
         yield f"{one.name + ', ' + one.unit:<28}{one.first:>10.4g}{one.second:>10.4g}  {one.change}"
 
 
-def table(first: Run, second: Run, colours: Sequence[str] = RUNS) -> str:
-    """The differences as an HTML table."""
+def table(first: Run, second: Run, colours: Sequence[str] = RUNS, heads: tuple[str, str] | None = None) -> str:
+    """The differences as an HTML table.
+
+    Args:
+        heads: of the two columns; the labels of the results, if None.
+    """
     rows = "".join(
         f"<tr><td>{one.name.capitalize()}, {one.unit}</td>"
         f"<td>{one.first:.3g}</td><td>{one.second:.3g}</td><td style='white-space:nowrap'>{one.change}</td></tr>"
         for one in differences(first, second)
     )
-    heads = "".join(
-        f'<th style="color:{colour};text-align:left">{escape(run.label)}</th>'
-        for run, colour in zip((first, second), colours, strict=True)
+    named = "".join(
+        f'<th style="color:{colour};text-align:left">{escape(head)}</th>'
+        for head, colour in zip(heads or (first.label, second.label), colours, strict=True)
     )
     return (
         f'<div data-differences style="font-size:11px;padding:0 4px 6px"><table style="width:100%">'
-        f"<tr><th></th>{heads}<th style='text-align:left'>change</th></tr>{rows}</table></div>"
+        f"<tr><th></th>{named}<th style='text-align:left'>change</th></tr>{rows}</table></div>"
     )

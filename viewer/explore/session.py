@@ -103,7 +103,7 @@ class ExploreSession(Session):
         changed = [key for key in changed if value_of(self.case, key) is not None]
         settings = [f"{key}={short_text(value_of(self.case, key))}" for key in changed]
         line = shlex.join([*self._command, *(part for setting in settings for part in ("--set", setting))])
-        self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1])
+        self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1], ("pinned", "now"))
         self._line.content = (
             f'<div style="padding:4px;font-size:11px"><code data-copy title="a click copies it" '
             f'style="cursor:pointer;overflow-wrap:anywhere">{escape(line)}</code></div>'
