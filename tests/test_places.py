@@ -154,8 +154,10 @@ def test_a_signal_ends_a_command_with_words_on_how_to_go_on(number, code, comman
         "simulate": ["simulate", str(CASES / "hawkmoth.toml"), "--set=time.periods=2000", "-o", "run.h5"],
         "sweep": ["sweep", str(CASES / "hawkmoth.toml"), "--vary=fluid.density=1:2:4000", "-o", "map.h5"],
     }[command]
+    # Coverage would take SIGTERM for itself before the command can.
+    plain = {name: value for name, value in os.environ.items() if not name.startswith("COV")}
     process = subprocess.Popen(
-        [sys.executable, "-m", "taichiflap", *words], cwd=tmp_path, text=True,
+        [sys.executable, "-m", "taichiflap", *words], cwd=tmp_path, text=True, env=plain,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
     until = time.monotonic() + 250
