@@ -44,6 +44,18 @@ def check(path: Path, overwrite: bool) -> None:
         raise OutputError(f"{path}: exists already; --overwrite replaces it, or name another file")
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder, unless it is there.
+
+    Raises:
+        OutputError: when the system refuses.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be made: {error.strerror or error}") from None
+
+
 @contextlib.contextmanager
 def standing_in(path: Path) -> Iterator[Path]:
     """A name beside `path` to write under; the file moves to `path` when all went well, and vanishes otherwise.

@@ -18,9 +18,7 @@ def score(
         list[Path] | None,
         typer.Option("--against", metavar="CSV", help="trace measured on this case; may be repeated"),
     ] = None,
-    models: Annotated[
-        str, typer.Option(metavar="NAME,...", help="models to score  [default: all but the slow ones]")
-    ] = "",
+    models: Annotated[str, typer.Option(metavar="NAME,...", help="models to score  [default: all]")] = "",
     cases: Annotated[str, typer.Option(metavar="NAME,...", help="published cases to score  [default: all]")] = "",
     output: Annotated[
         Path, typer.Option("-o", "--output", help="folder for the page, its figures and what was computed")
@@ -39,6 +37,7 @@ def score(
     threads: Threads = None,
 ) -> None:
     """Score the models against published data; with a case and --against, compare them with your own measurement."""
+    from .. import files
     from ..published.scores import tiers
 
     wanted = tiers.chosen(filter(None, models.split(",")))
@@ -49,7 +48,7 @@ def score(
     from ..published.scores import score as study
 
     found = library.chosen(filter(None, cases.split(",")))
-    report.check_folder(output)
+    files.make_folder(output)
     store = study.Store(output / report.STORE)
     with _bar("scoring") as told:
         rows = study.score(found, wanted, store, threads=threads, progress=told)
@@ -58,22 +57,23 @@ def score(
 
 
 def _compare(
-    case_file: Path | None, files: list[Path], wanted: Any, speed: float | None, area: float | None, shift: str,
+    case_file: Path | None, traces: list[Path], wanted: Any, speed: float | None, area: float | None, shift: str,
     settings: list[str], threads: int | None, output: Path,
 ) -> None:  # fmt: skip
+    from .. import files
     from ..case.case import load_case
     from ..published.scores import against, pictures, report
     from ..published.scores.tiers import ScoreError
 
-    if case_file is None or not files:
+    if case_file is None or not traces:
         raise ScoreError("a case file and --against go together: taichiflap score CASE --against trace.csv")
     case = load_case(case_file, settings)
     late = against.read_shift(shift)
-    for file in files:
+    for file in traces:
         trace = against.read_trace(file)
         found = against.compare(case, trace, wanted, speed=speed, area=area, shift=late, threads=threads)
         print("\n".join(against.lines(trace, found)))
-        report.check_folder(output)
+        files.make_folder(output)
         path = output / f"{file.stem}.png"
         report.save_figure(pictures.comparison(found), path)
         print(f"{path} written")

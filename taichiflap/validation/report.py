@@ -65,10 +65,7 @@ def check_folder(folder: Path, overwrite: bool) -> None:
     Raises:
         OutputError: when the folder cannot be made or holds a report that is not to be replaced.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise files.OutputError(f"{folder}: cannot be made: {error.strerror or error}") from None
+    files.make_folder(folder)
     for name in (MARKDOWN, PAGE):
         files.check(folder / name, overwrite)
 

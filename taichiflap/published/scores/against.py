@@ -4,7 +4,7 @@ import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from ...case.case import Case
 from ...metrics.beats import settled_beats
+from ...metrics.coefficients import reference
+from ...motion.stream import in_stream
 from ...results.reader import Result
 from ...run.blocks import simulate
-from ...structure.chordwise import Profile
+from .measures import harmonic
 from .tiers import ScoreError, Tier
 
 Array = NDArray[np.float64]
@@ -144,8 +146,8 @@ def compare(
     Args:
         speed: reference speed of the trace's coefficients, m/s.
         area: their reference area, m2; chord times span, if None.
-        shift: beats by which the trace is late against the case's time; None finds the one of the least difference in
-            the first quantity.
+        shift: beats by which the trace is late against the case's time; None finds, for each quantity and model, the
+            one of the least difference.
 
     Raises:
         ScoreError: when a coefficient has no reference speed, or a quantity needs a stream that is not there.
@@ -178,7 +180,8 @@ def _one(
         measured, modelled = np.interp(phases, time, values), np.interp(phases, result.time, series)
     size = math.sqrt(float(np.mean(measured**2)))
     peaks = [int(np.argmax(np.abs(rows))) for rows in (measured, modelled)]
-    waves = tuple((_wave(measured, n), _wave(modelled, n)) for n in range(1, ORDERS + 1)) if case.periodic else ()
+    orders = range(1, ORDERS + 1) if case.periodic else ()
+    waves = tuple((harmonic(phases, measured, n), harmonic(phases, modelled, n)) for n in orders)
     return Comparison(
         quantity=quantity,
         tier=tier,
@@ -194,8 +197,6 @@ def _one(
 
 
 def _series(result: Result, trace: Trace, quantity: str, speed: float | None, area: float | None) -> Array:
-    from ...metrics.summary import in_stream  # noqa: PLC0415 - for some quantities alone
-
     case = result.case
     name = COEFFICIENTS.get(quantity, quantity)
     if name in ("lift", "thrust", "drag"):
@@ -208,8 +209,8 @@ def _series(result: Result, trace: Trace, quantity: str, speed: float | None, ar
     if quantity in COEFFICIENTS:
         if not speed:
             raise ScoreError(f"{trace.path}: {quantity} needs the reference speed: --speed, in m/s")
-        over = area or case.wing.chord * Profile.of(case.wing.span).mean
-        series = series / (0.5 * case.fluid.density * speed**2 * over)
+        scale = reference(case)
+        series = series / replace(scale, speed=speed, area=area or scale.area).force
     return series
 
 
@@ -225,11 +226,6 @@ def _folded(time: Array, values: Array, phases: Array) -> Array:
 def _best_shift(time: Array, values: Array, phases: Array, modelled: Array) -> float:
     errors = [float(np.sum((_folded(time - late, values, phases) - modelled) ** 2)) for late in phases]
     return float(phases[int(np.argmin(errors))])
-
-
-def _wave(values: Array, order: int) -> complex:
-    turns = np.exp(-2j * np.pi * order * np.arange(len(values)) / len(values))
-    return complex(2.0 * np.mean(values * turns))
 
 
 def lines(trace: Trace, found: Sequence[Comparison]) -> list[str]:

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...metrics.summary import in_stream
+from ...metrics.coefficients import reference
+from ...motion.stream import in_stream
 from ...results.reader import Result
-from ...structure.chordwise import Profile
 
 Array = NDArray[np.float64]
 
@@ -45,8 +45,7 @@ class Trace:
             speed: the reference speed, m/s.
         """
         case = result.case
-        area = case.wing.chord * Profile.of(case.wing.span).mean
-        force = 0.5 * case.fluid.density * speed**2 * area
+        scale = replace(reference(case), speed=speed)
         if any(case.fluid.velocity):
             lift, thrust = in_stream(case, result.force_y, result.force_z)
             drag = -thrust
@@ -55,9 +54,9 @@ class Trace:
             drag = -result.force_z * np.sign(np.gradient(result.plunge, result.time))
         return cls(
             time=result.time / (case.beat if case.periodic else 1.0),
-            lift=lift / force,
-            drag=drag / force,
-            power=result.power / (force * speed),
+            lift=lift / scale.force,
+            drag=drag / scale.force,
+            power=result.power / scale.power,
             plunge=result.plunge / case.wing.chord,
             tip=result.tip_deflection / case.wing.chord,
         )

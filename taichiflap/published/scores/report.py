@@ -60,18 +60,6 @@ def known(rows: Sequence[Row]) -> dict[str, Any]:
     return found
 
 
-def check_folder(folder: Path) -> None:
-    """Make the folder of the page.
-
-    Raises:
-        OutputError: when it cannot be made.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise files.OutputError(f"{folder}: cannot be made: {error.strerror or error}") from None
-
-
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure in the format of the file's name.
 
