@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import h5py
 import numpy as np
@@ -119,6 +120,87 @@ def test_in_memory_and_on_disk_are_the_same(uvlm_file):
         assert in_memory.case == on_disk.case
         for name in on_disk.variables:
             np.testing.assert_array_equal(getattr(in_memory, name), getattr(on_disk, name))
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        SHORT,
+        (*SHORT, "output.every=7", "uvlm.suction_limit=0.1"),
+        ("solver=dbet", "time.periods=1", "output.every=3"),
+        ("time.periods=1", "wing.modes=0", "fluid.velocity=[1.0, 0.0]"),
+    ],
+)
+def test_a_result_in_memory_is_its_file(tmp_path, settings):
+    """All that can be asked of a result, in memory, saved from there, and written by the run."""
+    case = hawkmoth(*settings)
+    in_memory = taichiflap.simulate(case)
+    in_memory.save(tmp_path / "saved.h5")
+    taichiflap.simulate(case, tmp_path / "written.h5").close()
+    assert_same(tmp_path / "saved.h5", tmp_path / "written.h5")
+    with taichiflap.open_result(tmp_path / "saved.h5") as saved:
+        for one in (saved, in_memory):
+            assert (one.steps, one.frames, one.has_wake, one.has_sheets) == (
+                case.steps + 1, case.frames(), saved.has_wake, saved.has_sheets,
+            )  # fmt: skip
+        assert in_memory.variables == saved.variables
+        assert in_memory.attributes == saved.attributes
+        assert in_memory.case == saved.case
+        assert taichiflap.summarise(in_memory) == taichiflap.summarise(saved)
+        assert in_memory.modes.keys() == saved.modes.keys()
+        np.testing.assert_array_equal(in_memory.stations, saved.stations)
+        for name in saved.variables:
+            assert in_memory.describe(name) == saved.describe(name)
+            np.testing.assert_array_equal(getattr(in_memory, name), getattr(saved, name))
+            np.testing.assert_array_equal(in_memory.frame(name, -2), saved.frame(name, -2))
+            np.testing.assert_array_equal(in_memory.between(name, 1, 40, 3), saved.between(name, 1, 40, 3))
+        for index in (0, -1):
+            mine, theirs = in_memory.wake(index), saved.wake(index)
+            assert mine.keys() == theirs.keys()
+            for name in mine:
+                np.testing.assert_array_equal(mine[name], theirs[name])
+        assert in_memory.to_xarray().identical(saved.to_xarray())
+
+
+def test_a_result_in_memory_makes_no_file_and_keeps_its_numbers(tmp_path, monkeypatch):
+    monkeypatch.setattr(h5py, "File", None)
+    monkeypatch.setattr(tempfile, "TemporaryFile", None)
+    result = taichiflap.simulate(hawkmoth("solver=dbet", "time.periods=1"))
+    forces = result.force_y
+    forces *= 0.0
+    result.frame("node_position", 3)[...] = 0.0
+    assert result.force_y.any()
+    assert result.frame("node_position", 3).any()
+    assert "force_y" in dir(result)
+    monkeypatch.undo()
+    (tmp_path / "there.h5").write_bytes(b"precious")
+    with pytest.raises(taichiflap.ResultError, match="exists already"):
+        result.save(tmp_path / "there.h5")
+    result.close()
+    with pytest.raises(taichiflap.ResultError, match="has been closed"):
+        result.save(tmp_path / "closed.h5")
+    assert [file.name for file in tmp_path.iterdir()] == ["there.h5"]
+
+
+def test_a_result_of_a_file_is_saved_as_a_copy(tmp_path, uvlm_file):
+    with taichiflap.open_result(uvlm_file) as result:
+        result.save(tmp_path / "copy.h5")
+        with pytest.raises(taichiflap.ResultError, match="exists already"):
+            result.save(tmp_path / "copy.h5")
+    assert (tmp_path / "copy.h5").read_bytes() == uvlm_file.read_bytes()
+    assert [file.name for file in tmp_path.iterdir()] == ["copy.h5"]
+
+
+def test_a_failed_run_in_memory_keeps_its_frames_and_can_be_saved(tmp_path):
+    spinning = ("wing.youngs_modulus=1.0", "motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0")
+    case = hawkmoth("solver=dbet", *spinning, "fluid.density=0.0", "time.periods=60")
+    result = taichiflap.simulate(case)
+    assert result.status == "failed"
+    assert result.steps < case.steps
+    result.save(tmp_path / "run.h5")
+    with taichiflap.open_result(tmp_path / "run.h5") as saved:
+        assert saved.attributes == result.attributes
+        np.testing.assert_array_equal(saved.q, result.q)
 
 
 def test_no_bit_depends_on_where_the_blocks_end(monkeypatch):

@@ -274,5 +274,6 @@ def view(array: Any) -> np.ndarray:
     Taichi's own `to_numpy` and `from_numpy` compile and launch a kernel for every type and rank.
     """
     with alone:
-        ti.sync()
+        # Past `ti.sync`, which looks for fields that are still to be placed.
+        ti.lang.impl.get_runtime().prog.synchronize()
         return np.asarray(_Memory(array))

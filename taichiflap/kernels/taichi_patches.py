@@ -30,6 +30,9 @@ def hasten(taichi: Any) -> None:
     kernels.getsourcelines = _source
     # With every array it notes who has called for it.
     taichi.lang._ndarray.get_traceback = taichi.lang.matrix.get_traceback = lambda: ""
+    # It makes every group of arrays twice, each time with a class of its own, and those inside it once more.
+    taichi.lang.argpack.ArgPack._register_members = _register_members
+    taichi.lang.argpack.ArgPackType.cast = _cast(taichi)
 
 
 def _position(context: Any, node: Any) -> str:
@@ -37,6 +40,29 @@ def _position(context: Any, node: Any) -> str:
     if sys.exc_info()[0] is None:
         return ""
     return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
+
+
+def _register_members(group: Any) -> None:
+    kind: Any = type(group)
+    group.__class__ = _class_with(kind, tuple(group.keys))
+
+
+@functools.cache
+def _class_with(kind: Any, names: tuple[str, ...]) -> Any:
+    """The class of groups whose members have these names."""
+    members = {name: property(kind._make_getter(name), kind._make_setter(name)) for name in names}
+    return type(kind.__name__, (kind,), members)
+
+
+def _cast(taichi: Any) -> Callable[..., Any]:
+    """What gives a new group its types: nothing is to be done where all members are arrays, or groups of them."""
+    cast = taichi.lang.argpack.ArgPackType.cast
+    held = taichi.types.ndarray_type.NdarrayType, taichi.lang.argpack.ArgPackType
+
+    def cast_numbers(kind: Any, group: Any) -> Any:
+        return group if all(isinstance(one, held) for one in kind.members.values()) else cast(kind, group)
+
+    return cast_numbers
 
 
 def free_arrays(taichi: Any) -> None:

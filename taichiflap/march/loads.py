@@ -14,6 +14,9 @@ from .state import ACCEL, AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, 
 Array = NDArray[np.float64]
 
 
+TOGETHER = 128
+"""Frames whose nodes are placed together."""
+
 OWN = ("step", "field_step", "q", "force")
 """What of a block of steps goes into variables of other names."""
 
@@ -29,19 +32,36 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
     state = frames["q"]
     series = over_time(case, section, motion, frames)
     at = frames["field_step"]
-    cosine, sine = (motion[at, column, None] for column in (COSINE, SINE))
     # The steps of a block follow each other.
     rows = at - (frames["step"][0] if len(at) else 0)
-    deflection = _superpose(section.shape(nodes), state[rows, AMPLITUDE])
-    along, across = cosine * nodes - sine * deflection, sine * nodes + cosine * deflection
     fields = {
         "q": state[:, AMPLITUDE],
         "q_rate": state[:, RATE],
         "q_acceleration": state[:, ACCEL],
         "field_time": case.step * at,
-        "node_position": np.stack((series["surge"][rows, None] + along, series["plunge"][rows, None] + across), axis=2),
+        "node_position": positions(section.shape(nodes), nodes, motion[at], state[rows, AMPLITUDE]),
     }
     return series | fields | {name: values for name, values in frames.items() if name not in OWN}
+
+
+def positions(shape: Array, nodes: Array, motion: Array, q: Array) -> NDArray[np.float32]:
+    """Where the nodes are along Y and Z, m, shape (frames, nodes, 2).
+
+    Args:
+        shape: mode shapes at the nodes, shape (modes, nodes).
+        nodes: their positions along the chord, from the pivot, m.
+        motion: as a march samples it, shape (frames, COLUMNS).
+        q: modal amplitudes, shape (frames, modes).
+    """
+    placed = np.empty((len(q), len(nodes), 2), np.float32)
+    # Some frames at a time stay in the cache, which takes a fifth of the time.
+    for first in range(0, len(q), TOGETHER):
+        some = slice(first, first + TOGETHER)
+        cosine, sine, surge, plunge = (motion[some, column, None] for column in (COSINE, SINE, SURGE, PLUNGE))
+        deflection = _superpose(shape, q[some])
+        placed[some, :, 0] = surge + (cosine * nodes - sine * deflection)
+        placed[some, :, 1] = plunge + (sine * nodes + cosine * deflection)
+    return placed
 
 
 def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Array]:

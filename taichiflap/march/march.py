@@ -152,6 +152,10 @@ _kernels: dict[Any, Any] = {}
 """The kernels that this process has, by what decides which it is."""
 
 
+_launched: set[Any] = set()
+"""Those of them that have been compiled."""
+
+
 def kernel(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
     """The kernel that marches a batch with a fluid model, many steps of many cases in one launch, and its argpack.
 
@@ -210,10 +214,13 @@ class March:
         fluid: the fluid model, a `taichiflap.fluids.interface.Model`.
         threads: how many threads may work at once; all of them if None. It does not change any result.
         film: keep the outputs of the fluid model too; without them a step is few bytes, for studies of many cases.
+        room: the steps of the first `advance` to come, if they are known: then room is made but once.
     """
 
     @runtime.exclusive
-    def __init__(self, cases: Sequence[Case], fluid: Any, threads: int | None = None, film: bool = True) -> None:
+    def __init__(
+        self, cases: Sequence[Case], fluid: Any, threads: int | None = None, film: bool = True, room: int = 1
+    ) -> None:
         self._runtime = runtime.start()
         self.cases = list(cases)
         self.fluid = fluid
@@ -227,6 +234,8 @@ class March:
         self._filming = film
         self._lanes = tasks(len(self.cases), threads)
         self._room = 0, 0
+        room = min(room, self.steps + 1)
+        self._make_room(room, max(case.frames(room) for case in self.cases))
 
     @property
     def done(self) -> bool:
@@ -238,7 +247,7 @@ class March:
         """March every case by `steps` steps and return what it stores on the way.
 
         The first step is step 0, the state at t = 0. A case that has reached its end, or has failed, rests.
-        Zero steps compile the kernels, or fetch them from Taichi's cache.
+        Zero steps compile the kernels, or fetch them from Taichi's cache, if this process has not yet.
 
         Returns:
             For each case `step`, `q` (amplitude, rate and acceleration of every mode), `modal_force`, `force` and
@@ -249,7 +258,9 @@ class March:
         first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
         frames = [case.frames(last) - case.frames(first) for case in self.cases]
         self._make_room(max(1, last - first), max(1, *frames))
-        self._march(first, last)
+        if first < last or self._kernel not in _launched:
+            self._march(first, last)
+            _launched.add(self._kernel)
         self.next_step = last
         return self._collect(first, last)
 

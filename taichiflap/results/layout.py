@@ -64,12 +64,68 @@ def size(case: Case, sample: Sample, contents: Contents) -> int:
     return total
 
 
+def groups(plan: Mapping[str, Variable]) -> list[str]:
+    """The ragged groups of a plan."""
+    return list(dict.fromkeys(name.partition("/")[0] for name in plan if "/" in name))
+
+
+def times(case: Case) -> tuple[str, ...]:
+    """The axes of time that a case has: of the frames too, if not every step has one."""
+    return ("time",) if case.output.every == 1 else ("time", FIELD_TIME)
+
+
+def rows(case: Case) -> dict[str, int]:
+    """Length of the axes of time."""
+    return {"time": case.steps + 1, FIELD_TIME: case.frames()}
+
+
+def axes(nodes: np.ndarray, section: Modes, contents: Contents) -> dict[str, tuple[np.ndarray, Variable]]:
+    """Values and meaning of every axis but those of time and the ragged ones."""
+    found = {
+        "mode": np.arange(1, section.count + 1),
+        "node": nodes,
+        "panel": 0.5 * (nodes[1:] + nodes[:-1]),
+        "component": np.array(COMPONENTS, dtype=object),  # for others: a `Result` knows them
+    }
+    return {name: (values, AXES[name]) for name, values in found.items() if len(values)} | dict(contents.axes)
+
+
+def modes(nodes: np.ndarray, section: Modes) -> dict[str, np.ndarray]:
+    """The arrays of the group of modes; none of a rigid wing."""
+    if not section.count:
+        return {}
+    return {
+        "frequency": section.frequency,
+        "damping_ratio": section.damping_ratio,
+        "lambda": section.lam,
+        "psi": section.psi,
+        "shape": section.shape(nodes),
+    }
+
+
+def words(case: Case, began: float) -> dict[str, str]:
+    """What a result says about itself from the start.
+
+    Args:
+        began: when, in seconds since the epoch.
+    """
+    when = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began))
+    return {
+        "Conventions": "CF-1.11",
+        "title": case.title,
+        "source": f"taichiflap {__version__}",
+        "history": f"{when} computed with taichiflap {__version__}",
+        "case": case.to_toml(),
+    }
+
+
 class Layout:
     """Gives everything of a case its place in an empty file.
 
     Args:
         file: open for writing.
         case: what is being computed.
+        began: when, in seconds since the epoch.
         warnings: what makes the case implausible.
         nodes: chordwise positions of the nodes, m.
         section: the wing's modes.
@@ -78,67 +134,36 @@ class Layout:
     """
 
     def __init__(
-        self, file: Any, case: Case, warnings: list[str], nodes: np.ndarray, section: Modes, sample: Sample,
-        contents: Contents,
+        self, file: Any, case: Case, began: float, warnings: list[str], nodes: np.ndarray, section: Modes,
+        sample: Sample, contents: Contents,
     ) -> None:  # fmt: skip
         self._file = file
         self._every = case.output.every
-        self._rows = {"time": case.steps + 1, FIELD_TIME: case.frames()}
+        self._rows = rows(case)
         self._axes: dict[str, Any] = {}
-        self._describe(case, warnings)
-        self._lay_out_axes(nodes, section, contents)
+        self._describe(case, began, warnings)
+        for name in times(case):
+            self._make_axis(name, _place(file, name, (self._rows[name],), "f8"), AXES[name])
+        for name, (values, meaning) in axes(nodes, section, contents).items():
+            self._make_axis(name, file.create_dataset(name, data=values), meaning)
+        for name, values in modes(nodes, section).items():
+            self._attach(file.require_group("modes").create_dataset(name, data=values), MODE_VARIABLES[name])
         found = plan(sample, contents)
         for name, variable in found.items():
             if "/" not in name:
                 self._lay_out_variable(name, variable, sample[name].shape[1:])
-        for group in dict.fromkeys(name.partition("/")[0] for name in found if "/" in name):
+        for group in groups(found):
             members = {name.partition("/")[2]: one for name, one in found.items() if name.startswith(f"{group}/")}
             self._lay_out_ragged(group, members, contents.room)
 
-    def _describe(self, case: Case, warnings: list[str]) -> None:
-        now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-        hdf.note(
-            self._file,
-            {
-                "Conventions": "CF-1.11",
-                "title": case.title,
-                "source": f"taichiflap {__version__}",
-                "history": f"{now} computed with taichiflap {__version__}",
-                "case": case.to_toml(),
-            },
-        )
+    def _describe(self, case: Case, began: float, warnings: list[str]) -> None:
+        hdf.note(self._file, words(case, began))
         self._file.attrs.update({"taichiflap_format": FORMAT} | dict.fromkeys(FIGURES, np.nan))
         # With room, so that they too change where they stand.
         warned = "\n".join(warnings)
         hdf.note(self._file, {"warnings": warned}, len(warned.encode()) + WARNING_BYTES)
         hdf.note(self._file, {"status": "running"}, len("complete"))
         hdf.note(self._file, {"reason": ""}, hdf.REASON_BYTES)
-
-    def _lay_out_axes(self, nodes: np.ndarray, section: Modes, contents: Contents) -> None:
-        for name in ("time", FIELD_TIME)[: 1 if self._every == 1 else 2]:
-            self._make_axis(name, _place(self._file, name, (self._rows[name],), "f8"), AXES[name])
-        axes = {
-            "mode": np.arange(1, section.count + 1),
-            "node": nodes,
-            "panel": 0.5 * (nodes[1:] + nodes[:-1]),
-            "component": np.array(COMPONENTS, dtype=object),  # for others: a `Result` knows them
-        }
-        for name, values in axes.items():
-            if len(values):
-                self._make_axis(name, self._file.create_dataset(name, data=values), AXES[name])
-        for name, (values, meaning) in contents.axes.items():
-            self._make_axis(name, self._file.create_dataset(name, data=values), meaning)
-        if not section.count:
-            return
-        group = self._file.create_group("modes")
-        for name, values in {
-            "frequency": section.frequency,
-            "damping_ratio": section.damping_ratio,
-            "lambda": section.lam,
-            "psi": section.psi,
-            "shape": section.shape(nodes),
-        }.items():
-            self._attach(group.create_dataset(name, data=values), MODE_VARIABLES[name])
 
     def _lay_out_variable(self, name: str, variable: Variable, shape: tuple[int, ...]) -> None:
         axes = variable.axes(self._every)

@@ -1,6 +1,7 @@
 """Who may write a result under a name, and how a file gets it: never in the place of what another run has put there."""
 
 import os
+import shutil
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -76,6 +77,25 @@ def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> hdf.Guarded
         return hdf.Guarded(part(path), fresh=False)
     except OSError as error:
         raise ResultError(f"{part(path)}: is in the way: {first_line(error)}; --overwrite replaces it") from None
+
+
+def copy(source: Path, path: Path, overwrite: bool) -> None:
+    """Copy a finished result to another name.
+
+    Raises:
+        ResultError: when that exists already, is being written, or cannot be written.
+    """
+    check(path, overwrite)
+    held = lock(path)
+    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        shutil.copyfile(source, draft)
+        move(draft, path, overwrite)
+    except OSError as error:
+        raise ResultError(f"{path}: cannot be written: {first_line(error)}") from None
+    finally:
+        draft.unlink(missing_ok=True)
+        held.release()
 
 
 def _check_same(file: Any, path: Path, case: Case) -> None:

@@ -91,7 +91,7 @@ class Result:
         return f"<Result {self.case.title!r}, {self.status}, {self.steps} steps, {self.frames} frames>"
 
     def close(self) -> None:
-        """Close the file; a result in memory is lost."""
+        """Close the file; of a result in memory nothing is left but what was saved."""
         self.file.close()
 
     @functools.cached_property
@@ -113,15 +113,19 @@ class Result:
     @property
     def attributes(self) -> dict[str, Any]:
         """The file's own attributes: title, source, status, solve time ..."""
-        said = integrity.attributes(self.file, ATTRIBUTES)
+        said = self._said(ATTRIBUTES)
         # What a run is yet to fill in.
         unknown = [name for name, value in said.items() if value != value or (name == "reason" and not value)]  # noqa: PLR0124
         return {name: value for name, value in said.items() if name not in unknown}
 
+    def _said(self, names: Iterable[str]) -> dict[str, Any]:
+        """Those of some of its attributes that there are."""
+        return integrity.attributes(self.file, names)
+
     @property
     def status(self) -> str:
         """`running`, `complete` or `failed`."""
-        return str(integrity.attribute(self.file, "status"))
+        return str(self._said(["status"])["status"])
 
     @functools.cached_property
     def case(self) -> Case:
@@ -204,6 +208,21 @@ class Result:
         ends = self._ends[group]
         first, last = 0 if index == 0 else int(ends[index - 1]), int(ends[index])
         return {name: self._sound(name, self._dataset(f"{group}/{name}")[first:last]) for name in names}
+
+    def save(self, path: str | Path, *, overwrite: bool = False) -> None:
+        """Write the result to a file of its own, as `simulate(case, path)` would have.
+
+        Args:
+            overwrite: replace an existing file.
+
+        Raises:
+            ResultError: when the file exists already, or cannot be written.
+        """
+        from .ownership import copy  # noqa: PLC0415 - it reads results itself
+
+        if self.path is None or not self.path.exists():
+            raise ResultError(f"{path}: there is no file to copy")
+        copy(self.path, Path(path), overwrite)
 
     def refresh(self) -> None:
         """Look again at a file that is still being written, or that has got its final name since.

@@ -6,7 +6,6 @@ that have a time are whole. The file stands as `NAME.part` until it is complete.
 """
 
 import contextlib
-import io
 import os
 import shutil
 import time
@@ -17,14 +16,13 @@ from typing import Any
 import h5py
 import numpy as np
 
-from .. import disk
 from ..case.case import Case
 from ..structure.beam import Modes
 from . import checkpoint, hdf, layout, ownership
 from .checkpoint import Checkpoint
 from .layout import Contents, Layout, Sample
 from .reader import Result, ResultError, first_line, open_result, part
-from .variables import FIELD_TIME, Variable
+from .recorder import Recorder
 
 
 class WriteError(ResultError):
@@ -33,15 +31,12 @@ class WriteError(ResultError):
     exit_code = 1
 
 
-class Writer:
-    """Writes one result: construct, `lay_out`, `append` block by block, `finish`.
-
-    Attributes:
-        steps: how many steps are written.
+class Writer(Recorder):
+    """Writes one result to a file.
 
     Args:
         case: what is being computed.
-        path: the file to write, or None to keep the result in memory.
+        path: the file to write.
         warnings: what makes the case implausible.
         overwrite: replace an existing file, and what an interrupted run has left.
         resume: go on with the file that an interrupted run has left, if there is one.
@@ -52,41 +47,29 @@ class Writer:
     """
 
     def __init__(
-        self, case: Case, path: Path | None, warnings: list[str], overwrite: bool = False, resume: bool = False
+        self, case: Case, path: Path, warnings: list[str], overwrite: bool = False, resume: bool = False
     ) -> None:
-        self.case = case
+        super().__init__(case, warnings)
         self.path = path
-        self.steps = 0
-        self._plan: dict[str, Variable] = {}
         self._overwrite = overwrite
         self._kept = time.monotonic()
-        self._warnings = warnings
-        self._entries: dict[str, int] = {}
         self._file: Any = None
         self._raw: Any = None
         self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
         self._draft: Path | None = None
-        self._lock: disk.Lock | None = None
         self._guard: hdf.Guarded | None = None
-        if path is not None:
-            ownership.check(path, overwrite)
-            self._lock = ownership.lock(path)
-            try:
-                self._guard = ownership.reopen(path, case, overwrite, resume)
-                if self._guard is not None:
-                    self._file = h5py.File(self._guard, "r+", libver=hdf.VERSION)
-            except BaseException:
-                self.abandon()
-                raise
+        ownership.check(path, overwrite)
+        self._lock = ownership.lock(path)
+        try:
+            self._guard = ownership.reopen(path, case, overwrite, resume)
+            if self._guard is not None:
+                self._file = h5py.File(self._guard, "r+", libver=hdf.VERSION)
+        except BaseException:
+            self.abandon()
+            raise
 
     def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
-        """Give everything its place; a file that is resumed has it already.
-
-        Args:
-            nodes: chordwise positions of the nodes, m.
-            section: the wing's modes.
-            sample: what `append` will get, of any number of frames, none included.
-            contents: what the fluid model adds.
+        """Give everything its place; a file that is resumed has it already. Arguments as of `Recorder.lay_out`.
 
         Raises:
             ResultError: when there is no room, or another run has begun the same file.
@@ -97,12 +80,11 @@ class Writer:
             self._find_places()
             return
         try:
-            self._check_room(layout.size(self.case, sample, contents))
-            self._file = self._create()
-            Layout(self._file, self.case, self._warnings, nodes, section, sample, contents)
+            self._guard = hdf.Guarded(self._reserve(layout.size(self.case, sample, contents)))
+            self._file = hdf.create(self._guard)
+            Layout(self._file, self.case, self.began, self._warnings, nodes, section, sample, contents)
             self._file.flush()
-            if self._guard:
-                self._guard.check()
+            self._guard.check()
             self._publish()
             self._find_places()
         except ResultError:
@@ -118,11 +100,6 @@ class Writer:
         """Steps that the file holds."""
         return Result(self._file).steps
 
-    @property
-    def names(self) -> list[str]:
-        """Names of what is appended."""
-        return list(self._places)
-
     def written(self, name: str) -> np.ndarray:
         """What was appended of a variable of one value a step; past HDF5, which need not know of it yet."""
         offset, kind = self._places[name]
@@ -133,8 +110,10 @@ class Writer:
         """Go on after so many steps; what is behind them is written anew."""
         self.steps = steps
         frames = self.case.frames(steps)
-        groups = {name.partition("/")[0] for name in self._places if "/" in name}
-        self._entries = {group: int(np.sum(self._file[f"{group}/count"][:frames], dtype=np.int64)) for group in groups}
+        self._entries = {
+            group: int(np.sum(self._file[f"{group}/count"][:frames], dtype=np.int64))
+            for group in layout.groups(self._plan)
+        }
 
     def append(self, variables: Mapping[str, np.ndarray]) -> None:
         """Add a block of steps, and of the frames among them, and hand it to the system.
@@ -142,29 +121,10 @@ class Writer:
         Raises:
             WriteError: when the disk refuses; the steps before are safe.
         """
-        frames = self.case.frames(self.steps)
-        blocks: dict[str, tuple[int, np.ndarray]] = {}
-        for name, one in self._plan.items():
-            group = name.partition("/")[0]
-            if group != name:
-                blocks[name] = self._entries.get(group, 0), variables[name]
-                blocks[f"{group}/count"] = frames, variables[f"{group}/count"]
-            else:
-                blocks[name] = frames if one.field else self.steps, variables[name]
-        if FIELD_TIME in self._places:
-            blocks[FIELD_TIME] = frames, variables[FIELD_TIME]
-        # Its time says that a step is whole, so nothing of it, or of its frame, may come later.
-        blocks["time"] = self.steps, variables["time"]
         try:
-            for name, (first, values) in blocks.items():
-                self._put(name, first, values)
+            super().append(variables)
         except OSError as error:
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
-        self.steps += len(variables["time"])
-        for name, values in variables.items():
-            group, slash, last = name.partition("/")
-            if slash and last == "count":
-                self._entries[group] = self._entries.get(group, 0) + int(np.sum(values, dtype=np.int64))
 
     def _put(self, name: str, first: int, values: np.ndarray) -> None:
         """Write rows straight to their place in the file: HDF5 takes ten times as long to find it."""
@@ -175,14 +135,17 @@ class Writer:
         while len(left):
             left = left[self._raw.write(left.data) :]
 
+    @property
+    def due(self) -> bool:
+        """Whether the last state was kept some time ago."""
+        return time.monotonic() - self._kept >= checkpoint.SECONDS
+
     def keep(self, state: Checkpoint) -> None:
-        """Store what a resumed run needs to go on from here, unless it was done a moment ago.
+        """Store what a resumed run needs to go on from here.
 
         Raises:
             WriteError: when the disk refuses.
         """
-        if self.path is None or time.monotonic() - self._kept < checkpoint.SECONDS:
-            return
         try:
             checkpoint.save(self.path, self.case, state)
         except OSError as error:
@@ -196,13 +159,7 @@ class Writer:
         reason: str = "",
         warnings: Sequence[str] = (),
     ) -> Result:
-        """Close the file under its final name and open it for reading.
-
-        Args:
-            status: `complete` or `failed`.
-            figures: numbers of `reader.FIGURES`, by their names.
-            reason: why the run failed.
-            warnings: what makes its outcome implausible.
+        """Close the file under its final name and open it for reading. Arguments as of `Recorder.finish`.
 
         Raises:
             WriteError: when the file cannot get its name; it stays under its `.part` name.
@@ -213,8 +170,6 @@ class Writer:
                 hdf.rewrite(self._file, name, value)
             for name, number in (figures or {}).items():
                 self._file.attrs.modify(name, number)
-            if self.path is None:
-                return Result(self._file)
             self._file.close()
             if self._guard:
                 self._guard.check()
@@ -224,7 +179,7 @@ class Writer:
             checkpoint.discard(self.path)
         except OSError as error:
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
-        self._release()
+        self._lock.release()
         return open_result(self.path)
 
     def abandon(self) -> None:
@@ -237,12 +192,11 @@ class Writer:
                 if one is not None:
                     one.close()
         self._discard_draft()
-        self._release()
+        self._lock.release()
 
-    def _check_room(self, size: int) -> None:
-        """Refuse what does not fit before HDF5 has begun it: HDF5 does not survive a file that it cannot close."""
-        if self.path is None:
-            return
+    def _reserve(self, size: int) -> Path:
+        """A draft with room for everything. HDF5 does not survive a file that it cannot close, so what does not fit is
+        refused before HDF5 has begun it."""
         free = shutil.disk_usage(self.path.parent).free
         if size > free:
             room = f"needs {_size(size)}, the disk has {_size(free)} free; a larger output.every makes it smaller"
@@ -250,27 +204,18 @@ class Writer:
         self._draft = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
         with open(self._draft, "wb") as file:
             file.truncate(size)
-
-    def _create(self) -> Any:
-        if self._draft is not None:
-            self._guard = hdf.Guarded(self._draft)
-            return hdf.create(self._guard)
-        self._raw = io.BytesIO()
-        return hdf.create(self._raw)
+        return self._draft
 
     def _find_places(self) -> None:
         """Where in the file the variables over time begin."""
-        if self.path is not None:
-            self._raw = open(part(self.path), "r+b", buffering=0)  # noqa: SIM115 - closed by `finish` or `abandon`
-        groups = {name.partition("/")[0] for name in self._plan if "/" in name}
-        times = [name for name in ("time", FIELD_TIME) if name in self._file]
-        for name in (*times, *self._plan, *(f"{group}/count" for group in groups)):
+        self._raw = open(part(self.path), "r+b", buffering=0)  # noqa: SIM115 - closed by `finish` or `abandon`
+        for name in self.names:
             dataset = h5py.h5d.open(self._file.id, name.encode())
             self._places[name] = (dataset.get_offset(), dataset.dtype)
 
     def _publish(self) -> None:
         """The laid out file becomes `NAME.part`, once it is good to read at any moment."""
-        if self.path is None or self._draft is None:
+        if self._draft is None:
             return
         checkpoint.discard(self.path)
         try:
@@ -283,10 +228,6 @@ class Writer:
         if self._draft is not None:
             with contextlib.suppress(OSError):
                 self._draft.unlink(missing_ok=True)
-
-    def _release(self) -> None:
-        if self._lock is not None:
-            self._lock.release()
 
 
 def _size(number: float) -> str:

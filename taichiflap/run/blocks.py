@@ -18,8 +18,10 @@ from ..metrics.summary import Summary, summarise
 from ..results import checkpoint
 from ..results.checkpoint import Checkpoint
 from ..results.layout import Contents
+from ..results.memory import Memory
 from ..results.ownership import finished
 from ..results.reader import Result, ResultError
+from ..results.recorder import Recorded, Recorder
 from ..results.variables import Variable
 from ..results.writer import Writer
 from . import warnings
@@ -140,7 +142,7 @@ def _run(
     fluid = fluids.load(cases[0].solver)
     for case in cases:
         fluids.check(case)
-    writers: list[Writer] = []
+    writers: list[Recorder] = []
     try:
 
         def derive(blocks: list[dict[str, np.ndarray]]) -> Iterator[dict[str, Any]]:
@@ -149,8 +151,10 @@ def _run(
 
         with fluids.blamed(cases[0].solver):
             for path, case in zip(paths, cases, strict=True):
-                writers.append(Writer(case, path, warnings.warnings(case), overwrite, resumed is not None))
-            march = March(cases, fluid, threads)
+                said = warnings.warnings(case)
+                again = resumed is not None
+                writers.append(Writer(case, path, said, overwrite, again) if path else Memory(case, said))
+            march = March(cases, fluid, threads, room=_block(cases, fluid, 0, FIRST_WORK)[0])
             for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
                 writer.lay_out(fluid.nodes(writer.case), section, sample, _contents(fluid, writer.case))
         solve_time = _take_up(march, writers, resumed)
@@ -164,7 +168,8 @@ def _run(
             most = min(2.0 * most, work * BLOCK_SECONDS / seconds)
             for b, (writer, variables) in enumerate(zip(writers, derive(blocks), strict=True)):
                 writer.append(variables)
-                writer.keep(Checkpoint(march.next_step, solve_time, march.state(b)))
+                if writer.due:
+                    writer.keep(Checkpoint(march.next_step, solve_time, march.state(b)))
             if progress:
                 progress(min(march.next_step, march.steps), march.steps)
         results = []
@@ -191,28 +196,17 @@ def _run(
         raise
 
 
-class _Written:
-    """What a writer was given, as a result gives it."""
-
-    def __init__(self, writer: Writer) -> None:
-        self.case = writer.case
-        self.variables = writer.names
-        self._writer = writer
-
-    def __getattr__(self, name: str) -> np.ndarray:
-        return self._writer.written(name)
-
-
-def _summary(writer: Writer) -> Summary | None:
-    run: Any = _Written(writer)
+def _summary(recorder: Recorder) -> Summary | None:
+    run: Any = Recorded(recorder)
     return summarise(run)
 
 
-def _take_up(march: March, writers: list[Writer], resumed: Sequence[Checkpoint | None] | None) -> float:
+def _take_up(march: March, recorders: list[Recorder], resumed: Sequence[Checkpoint | None] | None) -> float:
     """Put a march where interrupted runs stopped; the seconds that they had taken."""
     kept = [one for one in resumed or () if one]
+    writers = [one for one in recorders if isinstance(one, Writer)]
     # What a checkpoint counts on must be there: the file may have been moved away, or begun anew.
-    if len(kept) < len(writers):
+    if not kept or len(kept) < len(recorders):
         return 0.0
     if behind := [writer for writer in writers if writer.stored < _reached(writer, kept[0])]:
         for writer in behind:
