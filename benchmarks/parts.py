@@ -50,10 +50,10 @@ def _doing_again(part: str) -> Any:
         uvlm.prepare(batch, b, n, rule, used)
         if ti.static(part == "lay"):
             for _ in range(AGAIN):
-                lattice.lay_panels(batch.body, batch.flow, b, n)
+                lattice.place_panels(batch.body, batch.flow, b, n)
         if ti.static(part == "wash"):
             for _ in range(AGAIN):
-                lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
+                lattice.wake_at_panels(batch.body, batch.flow, batch.wake, b, n)
         if ti.static(part == "eliminate"):
             for _ in range(AGAIN):
                 lattice.assemble(batch.body, batch.flow, b, n)

@@ -103,7 +103,7 @@ def upwash(body: View, flow: View, b, n, state: View):
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     arm = 0.75 * flow.constant[b, CHORD] - flow.constant[b, AHEAD]
     w = p_z + body.motion[b, n, PITCH_RATE] * arm + superpose(flow.mean, state, b, RATE, WASH, body.modes[b])
-    return w - p_y * superpose(flow.mean, body.q_guess, b, AMPLITUDE, TILT, body.modes[b])
+    return w - p_y * superpose(flow.mean, body.q_predicted, b, AMPLITUDE, TILT, body.modes[b])
 
 
 @ti.func
@@ -131,7 +131,7 @@ def load_column(flow: View, b, column, speed, lagged, turn, rise, spin):
 def prepare(body: View, flow: View, b, n, rule):
     modes = body.modes[b]
     p_y, _ = pivot_velocity(body, flow.stream, b, n)
-    turn = body.motion[b, n, PITCH_RATE] + superpose(flow.mean, body.q_known, b, RATE, TURN, modes)
+    turn = body.motion[b, n, PITCH_RATE] + superpose(flow.mean, body.q_free, b, RATE, TURN, modes)
     middle = 0.5 * flow.constant[b, CHORD] - flow.constant[b, AHEAD]
     rise = pivot_heave(body, b, n) + middle * body.motion[b, n, PITCH_ACCEL]
     gain = 1.0
@@ -140,7 +140,7 @@ def prepare(body: View, flow: View, b, n, rule):
         gained, left = remember(flow, b, i, SHARES[i], POLES[i], rule, p_y)
         gain += gained - SHARES[i]
         kept += left
-    lagged = gain * upwash(body, flow, b, n, body.q_known) + kept
+    lagged = gain * upwash(body, flow, b, n, body.q_free) + kept
     load_column(flow, b, 0, -p_y, lagged, turn, rise, body.motion[b, n, PITCH_ACCEL])
     for k in range(modes):
         lagged = gain * rule[BETA] * flow.mean[b, k, WASH]
@@ -177,9 +177,9 @@ def settle(body: View, flow: View, b, n, rule):
 
 
 @ti.func
-def record(flow: View, film: View, b, frame):
+def record(flow: View, output: View, b, frame):
     for i in range(ELEMENTS):
         pressure = 0.0
         for m in range(3):
             pressure += flow.spread[b, m, i] * flow.now[b, m]
-        film.pressure_jump[b, frame, i] = ti.cast(pressure, ti.f32)
+        output.pressure_jump[b, frame, i] = ti.cast(pressure, ti.f32)

@@ -80,14 +80,14 @@ def simulate(
     """Compute a case and write its result file."""
     from .case.case import load_case
     from .results.reader import part
-    from .run import warnings as plausible
+    from .run.warnings import warnings
 
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}.h5")
     if resume and not path.exists() and not part(path).exists():
         print(f"{path}: there is no run to resume; this one begins at the start", file=sys.stderr)
-    warnings = plausible.warnings(case)
-    for warning in warnings:
+    found = warnings(case)
+    for warning in found:
         print(f"warning: {warning}", file=sys.stderr)
     with _viewing(path) if view else nullcontext():
         again = ["taichiflap", "simulate", str(case_file), *(f"--set={setting}" for setting in settings or ())]
@@ -99,7 +99,7 @@ def simulate(
             result = _simulate_with_progress(case, path, threads, overwrite, resume)
         with result:
             failed = result.status == "failed"
-            _print_summary(result, [*warnings, str(result.attributes.get("reason"))])
+            _print_summary(result, [*found, str(result.attributes.get("reason"))])
             if failed:
                 print(f"error: {path}: {result.attributes['reason']}", file=sys.stderr)
     # After the viewer, which shows the frames until the failure.
@@ -121,13 +121,13 @@ def preview(
     from .case.case import load_case
     from .commands.summary import motion_line
     from .plots.preview import write
-    from .run import warnings as plausible
+    from .run.warnings import warnings
 
     case = load_case(case_file, settings or ())
     path = write(case, output or Path(f"{case_file.stem}-preview.png"), overwrite)
     print(f"{path} written")
     print(motion_line(case))
-    for warning in plausible.warnings(case):
+    for warning in warnings(case):
         print(f"warning: {warning}", file=sys.stderr)
 
 

@@ -353,7 +353,7 @@ class UvlmOracle(Oracle):
             self.dropped += self.wake[0, 2]
             self.wake, self.wake_velocity, self.sheet = self.wake[1:], self.wake_velocity[1:], self.sheet[1:]
         self.new = (*new, 0.0 if u.core_growth else (u.core * chord) ** 2)
-        self.wash = velocity(self.controls, self.wake) + self.stream
+        self.of_wake = velocity(self.controls, self.wake) + self.stream
         sources = [(*p, 1.0) for p in self.vortices]
         panels = len(self.controls)
         self.matrix = np.ones((panels + 1, panels + 1))
@@ -450,8 +450,8 @@ class UvlmOracle(Oracle):
     def find_slip(self, gamma):
         """Tangential velocity of the fluid past the wing: at the points, or at the vortices with all the others."""
         if self.whole:
-            slip = self.wash + self.strengths(gamma)[1] * self.of_new - self.control_velocity(self.v_star)
-            self.slip = np.sum(slip * self.tangent, axis=1)
+            tangential = self.of_wake + self.strengths(gamma)[1] * self.of_new - self.control_velocity(self.v_star)
+            self.tangential = np.sum(tangential * self.tangent, axis=1)
             return
         w, rate = self.q_star @ self.phi_vortex, self.v_star @ self.phi_vortex
         circulation = self.strengths(gamma)[0]
@@ -462,7 +462,7 @@ class UvlmOracle(Oracle):
         slopes = [np.arctan(self.q_star @ slope) for slope in (self.slope_vortex, self.slope_point)]
         arc = (self.places[1] - self.places[0]) / np.cos(slopes[0])
         curvature = np.sin(slopes[1] - slopes[0]) / arc
-        self.slip = np.sum(flow * tangent, axis=1) + circulation * curvature / (4 * np.pi)
+        self.tangential = np.sum(flow * tangent, axis=1) + circulation * curvature / (4 * np.pi)
 
     def find_suction(self, gamma):
         """Force at the leading edge, shape (2,), from the flow through the lattice there."""
@@ -488,7 +488,7 @@ class UvlmOracle(Oracle):
 
     def circulation(self, v):
         """Bound circulations and, last, the new vortex's, or those of both edges."""
-        rhs = np.append(np.sum((self.control_velocity(v) - self.wash) * self.normal, axis=1), self.total)
+        rhs = np.append(np.sum((self.control_velocity(v) - self.of_wake) * self.normal, axis=1), self.total)
         if self.sheds:
             rhs = np.append(rhs, self.target - self.edge_free(v) if self.shedding else 0.0)
         return np.linalg.solve(self.matrix, rhs)
@@ -506,11 +506,15 @@ class UvlmOracle(Oracle):
         change = self.rule[0] * running + self.rule[1] * self.sums[0] + self.rule[2] * self.sums[1]
         turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
         if self.whole:
-            force = -density * ((self.slip * gamma / self.length + change)[:, None] * self.side @ turn)
+            force = -density * ((self.tangential * gamma / self.length + change)[:, None] * self.side @ turn)
             places = 0.5 * (self.edges[1:] + self.edges[:-1])
             return force, places, 0.5 * (self.phi[:, 1:] + self.phi[:, :-1])
         _, normal = self.tangents(self.q_star @ self.slope_vortex)
-        forces, places, modes = [-density * (self.slip * gamma)[:, None] * normal], [self.vortices], [self.phi_vortex]
+        forces, places, modes = (
+            [-density * (self.tangential * gamma)[:, None] * normal],
+            [self.vortices],
+            [self.phi_vortex],
+        )
         change_0 = self.rule[0] * jump + self.rule[1] * self.released[0] + self.rule[2] * self.released[1]
         ahead = np.append(change_0, change[:-1])
         th = self.kinematics[3]
@@ -542,7 +546,7 @@ class UvlmOracle(Oracle):
     def friction(self, bound):
         """Blasius's friction of both sides, of each panel, along the chord."""
         fluid, arc = self.case.fluid, self.length.sum()
-        mean = self.slip @ self.length / arc
+        mean = self.tangential @ self.length / arc
         sides = np.array([mean - 0.5 * bound / arc, mean + 0.5 * bound / arc])
         factor = 0.664 * fluid.density * ((fluid.viscosity or 0.0) / self.case.wing.chord) ** 0.5
         return factor * np.sum(np.sign(sides) * np.abs(sides) ** 1.5) * self.span * self.length

@@ -78,19 +78,19 @@ def settle(body: View, flow: View, b, n, rule):
         body.force[b, c] = -flow.stiffness[b] * flow.now[b, 0]
 
 @ti.func
-def record(flow: View, film: View, b, frame):
+def record(flow: View, output: View, b, frame):
     for i in range(6):
-        film.pressure_jump[b, frame, i] = 1.0
+        output.pressure_jump[b, frame, i] = 1.0
     for i in range(flow.count[b]):
-        film.ramp[b, frame, i] = i * flow.now[b, 0]
-    film.chain_count[b, frame] = ti.cast(flow.now[b, 1], ti.i32)
-    for i in range(film.chain_count[b, frame]):
-        film.chain_link[b, frame, i] = ti.cast(flow.now[b, 0], ti.f32)
+        output.ramp[b, frame, i] = i * flow.now[b, 0]
+    output.chain_count[b, frame] = ti.cast(flow.now[b, 1], ti.i32)
+    for i in range(output.chain_count[b, frame]):
+        output.chain_link[b, frame, i] = ti.cast(flow.now[b, 0], ti.f32)
 
 @ti.func
-def record_step(flow: View, film: View, b, row):
-    film.series[b, row, 0] = flow.now[b, 0]
-    film.series[b, row, 1] = flow.now[b, 0] ** 2
+def record_step(flow: View, output: View, b, row):
+    output.series[b, row, 0] = flow.now[b, 0]
+    output.series[b, row, 1] = flow.now[b, 0] ** 2
 
 MODEL = Spring()
 '''

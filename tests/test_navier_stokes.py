@@ -80,11 +80,11 @@ def test_steps_are_those_of_the_oracle(modes):
             assert np.allclose(
                 found[0][0], march.sections[0].shape(chord * y)[0] / chord, rtol=0, atol=1e-9 * 100 / chord
             )
-            guess = view(body.q_guess)[0, state.RATE, :modes]
+            guess = view(body.q_predicted)[0, state.RATE, :modes]
 
         def solve(fixed, rates, accels, n=n):
             beta = march.cases[0].step / (1.0 if n == 1 else 1.5)
-            known = view(body.q_known)[0, state.RATE, :modes]
+            known = view(body.q_free)[0, state.RATE, :modes]
             ours, response = view(body.load)[0, :modes], view(body.response)[0, :modes, :modes]
             assert np.allclose(ours, load * chord * (fixed + rates @ known), rtol=1e-8)
             assert np.allclose(
@@ -114,7 +114,7 @@ def test_the_map_takes_the_circle_to_the_bent_section():
     march.advance(150)
     coefficients = complex_of(view(march.groups["flow"].coefficient)[0, :33])
     wall = positions(coefficients, np.zeros(1), np.linspace(0.0, 2.0 * np.pi, 400))[0]
-    q = view(march.body.q_guess)[0, state.AMPLITUDE]
+    q = view(march.body.q_predicted)[0, state.AMPLITUDE]
     deflection = q @ march.sections[0].shape(0.02 * np.clip(wall.real, 0.0, 1.0)) / 0.02
     assert abs(deflection).max() > 0.02
     off = np.hypot(2.0 * wall.real - 1.0, (wall.imag - deflection) / 0.02) - 1.0

@@ -327,7 +327,7 @@ def test_a_vortex_that_meets_the_wing(crossing, sign):
     numpy_view(wakes.vortex)[0, :, 0] = 0.01, 1e-4, 1e-9, 0.0, -1e-5
     marched.advance(1)
     assert numpy_view(wakes.ring)[0, wake.CROSSINGS] == 1
-    assert sign * numpy_view(wakes.vortex)[0, wake.GAP, 0] > 0.0
+    assert sign * numpy_view(wakes.vortex)[0, wake.HEIGHT, 0] > 0.0
     assert sign * (numpy_view(wakes.vortex)[0, 1, 0] - marched.motion[0, 1, 0]) > 0.0
 
 

@@ -29,11 +29,11 @@ class Output:
     """One array that a model stores.
 
     Without an axis of its own it is a series, a number at every step; with one it is a field, stored in the frames
-    that `output.every` asks for. In a kernel a field is `batch.film.NAME`, with a slash as an underscore, and the
-    series are the columns of `batch.film.series`, in the order in which the model declares them.
+    that `output.every` asks for. In a kernel a field is `batch.output.NAME`, with a slash as an underscore, and the
+    series are the columns of `batch.output.series`, in the order in which the model declares them.
 
     Attributes:
-        name: in the file and of the result. That of a ragged output is `GROUP/NAME`; `batch.film.GROUP_count` counts
+        name: in the file and of the result. That of a ragged output is `GROUP/NAME`; `batch.output.GROUP_count` counts
             the entries of each frame, which all outputs of a group share.
         over: the axes besides time: `node`, `panel`, or others that the model's `axes` gives; of a ragged output the
             one along which its frames differ in length.
@@ -125,15 +125,15 @@ class Flow:
     """A batch of cases in motion. The march fuses the functions into one kernel that takes many steps.
 
     The functions are `ti.func`s of a module, so that equal batches share a kernel. `batch` has the groups by name,
-    besides `body` (`taichiflap.march.state`) and `film`, the rows of the outputs.
+    besides `body` (`taichiflap.march.state`) and `output`, the rows of the outputs.
 
     Attributes:
         groups: the groups of arrays, each an argpack with a leading case axis. They are the state of the flow.
         types: their argpack types, by the same names.
         prepare: `prepare(batch, b, n, rule)` fills `body.load` and `body.response`, which come zeroed, for step `n`.
         settle: `settle(batch, b, n, rule)`, with the acceleration known, advances the state and sets `body.force`.
-        record: `record(batch, b, frame)` writes the fields: `batch.film.NAME[b, frame, ...]`.
-        record_step: `record_step(batch, b, row)` writes the series: `batch.film.series[b, row, k]`; None without any.
+        record: `record(batch, b, frame)` writes the fields: `batch.output.NAME[b, frame, ...]`.
+        record_step: `record_step(batch, b, row)` writes the series: `batch.output.series[b, row, k]`; None without any.
         uses: what some case of the batch needs, the last argument of `prepare` and `settle` if it is not None, so
             that by `ti.static` the kernel holds nothing else.
         before_step: called with each step from `first` on before the march takes it, to do on all threads what one

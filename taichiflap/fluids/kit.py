@@ -47,8 +47,8 @@ def flow_of(prepare: Any, settle: Any, record: Any, record_step: Any = None, **a
 
     Args:
         prepare, settle: `ti.func`s of `(body, flow, b, n, rule)`; see `Flow`.
-        record: a `ti.func` of `(flow, film, b, frame)`.
-        record_step: one of `(flow, film, b, row)`, for series.
+        record: a `ti.func` of `(flow, output, b, frame)`.
+        record_step: one of `(flow, output, b, row)`, for series.
         arrays: doubles or integers with a leading case axis, as they are at rest.
     """
     kinds = tuple((name, values.dtype.kind, values.ndim) for name, values in arrays.items())
@@ -78,10 +78,10 @@ def _unpacked(prepare: Any, settle: Any, record: Any, record_step: Any) -> tuple
 
     @ti.func
     def record_batch(batch: View, b, frame):
-        record(batch.flow, batch.film, b, frame)
+        record(batch.flow, batch.output, b, frame)
 
     @ti.func
     def record_batch_step(batch: View, b, row):
-        record_step(batch.flow, batch.film, b, row)
+        record_step(batch.flow, batch.output, b, row)
 
     return prepare_batch, settle_batch, record_batch, record_batch_step if record_step else None

@@ -24,7 +24,7 @@ from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
 from ..structure import beam
 from . import divergence
 from . import state as bodies
-from .film import Film, film_type
+from .outputs import Outputs, output_type
 from .state import (
     ACCEL,
     AMPLITUDE,
@@ -36,9 +36,9 @@ from .state import (
     DAMPING,
     EVERY,
     LAMBDA,
-    LIMIT,
     PSI,
     RATE,
+    RUNAWAY,
     STEPS,
     STIFFNESS,
     Body,
@@ -77,16 +77,16 @@ def predict(body: View, b, n, rule):
             body.response[b, j, k] = 0.0
         if n == 0:
             for row in range(2):
-                body.q_known[b, row, k] = body.q[b, row, k]
-                body.q_guess[b, row, k] = body.q[b, row, k]
+                body.q_free[b, row, k] = body.q[b, row, k]
+                body.q_predicted[b, row, k] = body.q[b, row, k]
         else:
             accel = body.q[b, ACCEL, k]
             rate = body.q[b, RATE, k]
-            body.q_guess[b, AMPLITUDE, k] = body.q[b, AMPLITUDE, k] + dt * (rate + 0.5 * dt * accel)
-            body.q_guess[b, RATE, k] = rate + dt * accel
+            body.q_predicted[b, AMPLITUDE, k] = body.q[b, AMPLITUDE, k] + dt * (rate + 0.5 * dt * accel)
+            body.q_predicted[b, RATE, k] = rate + dt * accel
             for row in range(2):
                 now = body.q[b, row, k]
-                body.q_known[b, row, k] = -(rule[C1] * now + rule[C2] * body.q[b, BEFORE + row, k]) / rule[C0]
+                body.q_free[b, row, k] = -(rule[C1] * now + rule[C2] * body.q[b, BEFORE + row, k]) / rule[C0]
                 body.q[b, BEFORE + row, k] = now
 
 
@@ -101,7 +101,7 @@ def accelerate(body: View, b, n, rule):
     for j in range(modes):
         stiffness = body.constant[b, STIFFNESS, j] - theta_rate * theta_rate
         damping = body.constant[b, DAMPING, j]
-        known = body.q_known[b, RATE, j]
+        known = body.q_free[b, RATE, j]
         for k in range(modes):
             body.system[b, j, k] = -body.response[b, j, k]
         body.system[b, j, j] = body.system[b, j, j] + 1.0 + beta * (damping + beta * stiffness)
@@ -110,15 +110,15 @@ def accelerate(body: View, b, n, rule):
             - body.constant[b, LAMBDA, j] * heave
             - body.constant[b, PSI, j] * theta_accel
             - damping * known
-            - stiffness * (body.q_known[b, AMPLITUDE, j] + beta * known)
+            - stiffness * (body.q_free[b, AMPLITUDE, j] + beta * known)
         )
     linear.solve_few(body.system, b, modes)
     for k in range(modes):
         accel = body.system[b, k, modes]
-        rate = body.q_known[b, RATE, k] + beta * accel
+        rate = body.q_free[b, RATE, k] + beta * accel
         body.q[b, ACCEL, k] = accel
         body.q[b, RATE, k] = rate
-        body.q[b, AMPLITUDE, k] = body.q_known[b, AMPLITUDE, k] + beta * rate
+        body.q[b, AMPLITUDE, k] = body.q_free[b, AMPLITUDE, k] + beta * rate
 
 
 @ti.func
@@ -128,7 +128,7 @@ def has_diverged(body: View, b):
     runaway = False
     for k in range(body.modes[b]):
         total += body.q[b, ACCEL, k]
-        runaway = runaway or ti.abs(body.q[b, AMPLITUDE, k]) > body.constant[b, LIMIT, k]
+        runaway = runaway or ti.abs(body.q[b, AMPLITUDE, k]) > body.constant[b, RUNAWAY, k]
     for c in range(4):
         total += body.force[b, c]
     return runaway or ti.math.isnan(total) or ti.math.isinf(total)
@@ -170,10 +170,10 @@ def kernel(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
 
 
 def _build(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
-    film = {} if outputs is None else {"film": film_type(outputs)}
-    Batch = ti.types.argpack(body=Body, track=Track, **film, **flow.types)
+    output = {} if outputs is None else {"output": output_type(outputs)}
+    Batch = ti.types.argpack(body=Body, track=Track, **output, **flow.types)
     needs = () if flow.uses is None else (flow.uses,)
-    filming, counting = outputs is not None, flow.record_step is not None
+    storing, counting = outputs is not None, flow.record_step is not None
     prepare, settle, record, record_step = flow.prepare, flow.settle, flow.record, flow.record_step
 
     @ti.func
@@ -190,9 +190,9 @@ def _build(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
                 if has_diverged(batch.body, b):
                     batch.body.failed[b] = n
                 track_step(batch.body, batch.track, b, n - opening)
-                if ti.static(filming and counting):
+                if ti.static(storing and counting):
                     record_step(batch, b, n - opening)
-                if ti.static(filming):
+                if ti.static(storing):
                     if n % every == 0 or n == steps:
                         record(batch, b, (n + every - 1) // every - (opening + every - 1) // every)
 
@@ -213,13 +213,18 @@ class March:
         cases: cases that share their solver; everything else may differ.
         fluid: the fluid model, a `taichiflap.fluids.interface.Model`.
         threads: how many threads may work at once; all of them if None. It does not change any result.
-        film: keep the outputs of the fluid model too; without them a step is few bytes, for studies of many cases.
-        room: the steps of the first `advance` to come, if they are known: then room is made but once.
+        store_outputs: keep the outputs of the fluid model too; studies of many cases leave them out to save memory.
+        room: the steps that the first `advance` takes, if known: memory is then allocated once.
     """
 
     @runtime.exclusive
     def __init__(
-        self, cases: Sequence[Case], fluid: Any, threads: int | None = None, film: bool = True, room: int = 1
+        self,
+        cases: Sequence[Case],
+        fluid: Any,
+        threads: int | None = None,
+        store_outputs: bool = True,
+        room: int = 1,
     ) -> None:
         self._runtime = runtime.start()
         self.cases = list(cases)
@@ -231,7 +236,7 @@ class March:
         self.groups = {"body": self.body, **self.flow.groups}
         self.steps = max(case.steps for case in self.cases)
         self.next_step = 0
-        self._filming = film
+        self._stores = store_outputs
         self._lanes = tasks(len(self.cases), threads)
         self._room = 0, 0
         room = min(room, self.steps + 1)
@@ -354,13 +359,13 @@ class March:
             modes=ti.ndarray(ti.f64, (count, steps, 4, most)),
             force=ti.ndarray(ti.f64, (count, steps, 4)),
         )
-        film: dict[str, Any] = {}
-        if self._filming:
+        output: dict[str, Any] = {}
+        if self._stores:
             sizes = [self.fluid.sizes(case) for case in self.cases]
-            self._film = Film(self.fluid.outputs, sizes, steps, frames)
-            film = {"film": self._film.pack}
-        group, self._kernel = kernel(self.flow, self.fluid.outputs if self._filming else None)
-        self._batch = group(track=self._track, **film, **self.groups)
+            self._outputs = Outputs(self.fluid.outputs, sizes, steps, frames)
+            output = {"output": self._outputs.pack}
+        group, self._kernel = kernel(self.flow, self.fluid.outputs if self._stores else None)
+        self._batch = group(track=self._track, **output, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
         modes, force = view(self._track.modes), view(self._track.force)
@@ -376,8 +381,8 @@ class March:
                 "modal_force": own[:, MODAL_FORCE].copy(),
                 "force": force[b, :steps].copy(),
             }
-            if self._filming:
+            if self._stores:
                 found["field_step"] = case.step_of(frames)
-                found |= self._film.share(b, self.fluid.stored(case), steps, len(frames))
+                found |= self._outputs.share(b, self.fluid.stored(case), steps, len(frames))
             collected.append(found)
         return collected

@@ -30,7 +30,7 @@ AMPLITUDE, RATE, ACCEL, BEFORE = range(4)
 STEPS, EVERY = range(2)
 """Columns of `plan`: how many steps a case takes, and how many lie between its frames."""
 
-STIFFNESS, DAMPING, LAMBDA, PSI, LIMIT = range(5)
+STIFFNESS, DAMPING, LAMBDA, PSI, RUNAWAY = range(5)
 """Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k, and where a case stops."""
 
 COSINE, SINE = SURGE_ACCEL + 1, SURGE_ACCEL + 2
@@ -45,8 +45,8 @@ Body = ti.types.argpack(
     motion=Floats3,  # (case, step, COLUMNS), see taichiflap.motion; and cos theta, sin theta
     constant=Floats3,
     q=Floats3,  # (case, 5, mode): modal state now, and from row BEFORE on amplitude and rate one step earlier
-    q_known=Floats3,  # what the coming step's amplitude and rate are with no acceleration
-    q_guess=Floats3,  # where they are expected to be, to second order
+    q_free=Floats3,  # what the coming step's amplitude and rate are with no acceleration
+    q_predicted=Floats3,  # where they are expected to be, to second order
     load=Floats2,  # modal force Q_j with no modal acceleration
     response=Floats3,  # d Q_j / d qdd_k
     force=Floats2,
@@ -90,8 +90,8 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.
         motion=array(motions),
         constant=array(constant),
         q=zeros(ti.f64, count, 5, most),
-        q_known=zeros(ti.f64, count, 2, most),
-        q_guess=zeros(ti.f64, count, 2, most),
+        q_free=zeros(ti.f64, count, 2, most),
+        q_predicted=zeros(ti.f64, count, 2, most),
         load=zeros(ti.f64, count, most),
         response=zeros(ti.f64, count, most, most),
         force=zeros(ti.f64, count, 4),

@@ -18,7 +18,7 @@ from .coefficients import reference
 from .summary import ORDERS, WAVING, Statistic, Summary, summarise
 
 OF_FILM = ("circulation", "wake_")
-"""How the names of series begin that belong to a fluid's film, which a study does not keep."""
+"""How the names of series begin that belong to a fluid's outputs, which a study does not keep."""
 SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and not name.startswith(OF_FILM))
 """The time series that a study can keep."""
 RATIOS = {"lift_per_power": "power_mean", "lift_per_positive_power": "power_positive_mean"}

@@ -30,7 +30,7 @@ def finer_helps(case: Case, failed: int, threads: int | None = None) -> bool | N
     steps = _affordable(finer, 2 * failed)
     if steps is None:
         return None
-    march = March([finer], fluids.load(finer.solver), threads, film=False)
+    march = March([finer], fluids.load(finer.solver), threads, store_outputs=False)
     march.advance(0)
     tip = march.sections[0].shape([finer.wing.chord])[:, 0]
     while march.next_step <= steps and march.failures()[0] < 0:

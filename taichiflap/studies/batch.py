@@ -119,7 +119,7 @@ def compute(
         progress: called with the share that is done, 0 to 1.
     """
     with fluids.blamed(cases[0].solver):
-        march = March(cases, fluids.load(cases[0].solver), threads, film=False)
+        march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False)
         march.advance(0)
     blocks = []
     total = sum(work(case) for case in cases)

@@ -13,7 +13,7 @@ from ..march.march import March
 Array = NDArray[np.float64]
 
 BLOCK = 100
-"""Steps between two looks at a march, so that the films of a batch stay small."""
+"""Steps between two looks at a march, so that the stored outputs of a batch stay small."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from .. import fluids, theory
 from ..fluids.uvlm import stations
 from ..kernels.runtime import view
 from ..march.march import March
-from ..march.state import LIMIT, MOMENT, NORMAL
+from ..march.state import MOMENT, NORMAL, RUNAWAY
 from ..motion.sampling import PITCH_RATE, PLUNGE_RATE
 from .checks import Array, Chart, Check, Curve, Grid, Row, accurate, papers, plate
 
@@ -109,7 +109,7 @@ def bent_lift(grid: Grid, height: float, alpha: float) -> float:
     tables = stations.tables(case, lambda y: scale * (y * (1.0 - y))[None], lambda y: scale * (1.0 - 2.0 * y)[None])
     view(flow.shape)[0, :, :, : grid.panels + 1] = tables
     view(march.body.constant)[...] = 0.0
-    view(march.body.constant)[:, LIMIT] = np.inf
+    view(march.body.constant)[:, RUNAWAY] = np.inf
     view(march.body.q)[0, 0, 0] = 1.0 / LEAST_SHARE
     return 2.0 * float(march.advance(march.steps + 1)[0]["force"][-1, NORMAL])
 

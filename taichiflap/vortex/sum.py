@@ -41,10 +41,16 @@ def store_octet(x: View, b, axis, first, value):
 
 
 @ti.func
-def unit_velocity(dy, dz, core2):
-    """Velocity (m/s) that a vortex of unit circulation and squared core `core2` induces at (dy, dz) from it."""
-    strength = INV_2PI / (dy * dy + dz * dz + core2)
+def vortex_velocity(circulation, dy, dz, core2):
+    """Velocity (m/s) at the offset (dy, dz) from a vortex with squared core `core2`."""
+    strength = INV_2PI * circulation / (dy * dy + dz * dz + core2)
     return -dz * strength, dy * strength
+
+
+@ti.func
+def normal_velocity(circulation, dy, dz, t_y, t_z):
+    """Velocity (m/s) along the normal (-t_z, t_y) at the offset (dy, dz) from a point vortex."""
+    return circulation * INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz)
 
 
 def _sum_over(lanes: Any) -> Any:

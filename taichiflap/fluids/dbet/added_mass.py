@@ -64,8 +64,8 @@ def flux_rates(body: View, flow: View, b, n, rule, extended: View):
         rate = accel_z + flow.element[b, POSITION, block] * theta_accel
         if ti.static(extended):
             if flow.option[b, DEFORMED] == 1:
-                w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
-                lean_rate = superpose_octet(flow.shape_slope, body.q_known, b, RATE, block, modes)
+                w = superpose_octet(flow.shape, body.q_predicted, b, AMPLITUDE, block, modes)
+                lean_rate = superpose_octet(flow.shape_slope, body.q_free, b, RATE, block, modes)
                 rate = rate - lean_rate * flow.element[b, WING_Y, block]
                 turned = accel_y - flow.element[b, W_RATE, block] * theta_rate - w * theta_accel
                 rate = rate - flow.element[b, LEAN, block] * turned

@@ -103,7 +103,7 @@ def lift(body: View, flow: View, b, rule):
         for block in range((flow.elements[b] + 7) // 8):
             velocity = flow.element[b, U_N, block]
             if column == 0:
-                known = superpose_octet(flow.shape, body.q_known, b, RATE, block, body.modes[b])
+                known = superpose_octet(flow.shape, body.q_free, b, RATE, block, body.modes[b])
                 velocity += flow.element[b, STRETCH, block] * (known - flow.element[b, W_RATE, block])
             else:
                 velocity = rule[BETA] * flow.element[b, STRETCH, block] * flow.shape[b, column - 1, block]

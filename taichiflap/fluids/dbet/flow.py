@@ -200,5 +200,5 @@ def record(batch: View, b, frame):
         shear = batch.flow.element[b, SHEAR, block]
         for lane in ti.static(range(8)):
             if 8 * block + lane < elements:
-                batch.film.pressure_jump[b, frame, 8 * block + lane] = ti.cast(pressure[lane], ti.f32)
-                batch.film.shear[b, frame, 8 * block + lane] = ti.cast(shear[lane], ti.f32)
+                batch.output.pressure_jump[b, frame, 8 * block + lane] = ti.cast(pressure[lane], ti.f32)
+                batch.output.shear[b, frame, 8 * block + lane] = ti.cast(shear[lane], ti.f32)

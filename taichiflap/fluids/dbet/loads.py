@@ -55,7 +55,7 @@ def load_modes(body: View, flow: View, b, rule, extended: View):
     for j in range(modes):
         load = Octet(0.0)
         for block in range((flow.elements[b] + 7) // 8):
-            known_rate = superpose_octet(flow.shape, body.q_known, b, RATE, block, modes)
+            known_rate = superpose_octet(flow.shape, body.q_free, b, RATE, block, modes)
             ahead = known_rate - flow.element[b, W_RATE, block]
             traction = flow.element[b, TRACTION, block] + flow.element[b, SLOPE, block] * ahead
             traction += flow.setting[b, STRIP] * flow.element[b, FLUX_RATE, block]
@@ -132,7 +132,7 @@ def sum_forces(body: View, flow: View, b, n, extended: View):
     for block in range((flow.elements[b] + 7) // 8):
         y = flow.element[b, POSITION, block]
         area = flow.element[b, AREA, block]
-        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
+        w = superpose_octet(flow.shape, body.q_predicted, b, AMPLITUDE, block, modes)
         w_rate = superpose_octet(flow.shape, body.q, b, RATE, block, modes)
         w_accel = superpose_octet(flow.shape, body.q, b, ACCEL, block, modes)
         r_z = flow.element[b, R_Z, block]

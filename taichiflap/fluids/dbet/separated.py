@@ -110,7 +110,7 @@ def gust_past(body: View, flow: View, b, n, block, w):
 @ti.func
 def lean(body: View, flow: View, b, block):
     """Slope of the bent wing at eight elements, and what its tangent is stretched by."""
-    slope = superpose_octet(flow.shape_slope, body.q_guess, b, AMPLITUDE, block, body.modes[b])
+    slope = superpose_octet(flow.shape_slope, body.q_predicted, b, AMPLITUDE, block, body.modes[b])
     flow.element[b, LEAN, block] = slope
     flow.element[b, STRETCH, block] = 1.0 / ti.sqrt(1.0 + slope * slope)
 
@@ -131,8 +131,8 @@ def linearise(body: View, flow: View, b, n, extended: View):
     carry_gust(flow.stream, b, n * body.dt[b])
     for block in range((flow.elements[b] + 7) // 8):
         y = flow.element[b, POSITION, block]
-        w = superpose_octet(flow.shape, body.q_guess, b, AMPLITUDE, block, modes)
-        w_rate = superpose_octet(flow.shape, body.q_guess, b, RATE, block, modes)
+        w = superpose_octet(flow.shape, body.q_predicted, b, AMPLITUDE, block, modes)
+        w_rate = superpose_octet(flow.shape, body.q_predicted, b, RATE, block, modes)
         r_z = p_z + y * theta_rate
         e_y = w * -theta_rate
         if ti.static(extended):

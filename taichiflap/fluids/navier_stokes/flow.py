@@ -158,19 +158,19 @@ def complete(body: View, flow: View, b, n, bending: View):
 
 @ti.func
 def record_step(batch: View, b, row):
-    batch.film.series[b, row, FRICTION_NORMAL] = batch.flow.number[b, RUBBED_Z]
-    batch.film.series[b, row, FRICTION_AXIAL] = batch.flow.number[b, RUBBED_Y]
-    batch.film.series[b, row, LARGEST_COURANT] = batch.flow.number[b, COURANT]
+    batch.output.series[b, row, FRICTION_NORMAL] = batch.flow.number[b, RUBBED_Z]
+    batch.output.series[b, row, FRICTION_AXIAL] = batch.flow.number[b, RUBBED_Y]
+    batch.output.series[b, row, LARGEST_COURANT] = batch.flow.number[b, COURANT]
 
 
 @ti.func
 def record(batch: View, b, frame):
-    store_wall(batch.flow, batch.film, b, frame)
-    store_fields(batch.flow, batch.film, b, frame, batch.body.dt[b])
+    store_wall(batch.flow, batch.output, b, frame)
+    store_fields(batch.flow, batch.output, b, frame, batch.body.dt[b])
 
 
 @ti.func
-def store_wall(flow: View, film: View, b, frame):
+def store_wall(flow: View, output: View, b, frame):
     """Pressure jump and friction at the pairs of cells along the chord, from the leading edge."""
     points = 8 * flow.size[b, OCTETS]
     half = points // 2
@@ -192,12 +192,12 @@ def store_wall(flow: View, film: View, b, frame):
         above = lane(flow.corner_y, b, 0, (upper + points - 1) % points) - lane(flow.corner_y, b, 0, upper)
         jump = lane(flow.line, b, SOURCE, lower) * below - lane(flow.line, b, SOURCE, upper) * above
         rubbed = lane(flow.line, b, FRICTION, lower) - lane(flow.line, b, FRICTION, upper)
-        film.pressure_jump[b, frame, p] = ti.cast(2.0 * jump / width, ti.f32)
-        film.shear[b, frame, p] = ti.cast(rubbed * flow.number[b, PASCAL], ti.f32)
+        output.pressure_jump[b, frame, p] = ti.cast(2.0 * jump / width, ti.f32)
+        output.shear[b, frame, p] = ti.cast(rubbed * flow.number[b, PASCAL], ti.f32)
 
 
 @ti.func
-def store_fields(flow: View, film: View, b, frame, dt):
+def store_fields(flow: View, output: View, b, frame, dt):
     """Vorticity and the map; and the Courant number."""
     octets = flow.size[b, OCTETS]
     courant = Octet(flow.number[b, COURANT])
@@ -206,7 +206,7 @@ def store_fields(flow: View, film: View, b, frame, dt):
         for m in range(octets):
             w = flow.vorticity[b, j, m]
             for at in ti.static(range(8)):
-                film.vorticity[b, frame, j, 8 * m + at] = ti.cast(w[at], ti.f32)
+                output.vorticity[b, frame, j, 8 * m + at] = ti.cast(w[at], ti.f32)
             through = ti.max(size(flow.flux_rho[b, j, m]), size(flow.flux_rho[b, j + 1, m])) + size(
                 flow.flux_phi[b, j, m]
             )
@@ -215,4 +215,4 @@ def store_fields(flow: View, film: View, b, frame, dt):
         flow.number[b, COURANT] = ti.max(flow.number[b, COURANT], courant[at])
     for n in range(flow.size[b, STORED]):
         for part in range(2):
-            film.map[b, frame, n, part] = flow.coefficient[b, n, part] * flow.number[b, LENGTH]
+            output.map[b, frame, n, part] = flow.coefficient[b, n, part] * flow.number[b, LENGTH]

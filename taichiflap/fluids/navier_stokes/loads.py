@@ -78,7 +78,7 @@ def load_modes(body: View, flow: View, b, n, rule):
             moved = factor * total(by_rate)
             body.response[b, j, k] = through * moved + factor * total(by_accel)
             if n > 0:
-                body.load[b, j] = body.load[b, j] + moved * body.q_known[b, RATE, k]
+                body.load[b, j] = body.load[b, j] + moved * body.q_free[b, RATE, k]
 
 
 @ti.func

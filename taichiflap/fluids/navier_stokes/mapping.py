@@ -70,7 +70,7 @@ def superpose_series(body: View, flow: View, b):
     for n in range(flow.size[b, SERIES]):
         w = 0.0
         for k in range(modes):
-            w += body.q_guess[b, AMPLITUDE, k] * flow.series[b, k, n]
+            w += body.q_predicted[b, AMPLITUDE, k] * flow.series[b, k, n]
         flow.series[b, 2 * modes, n] = w
 
 

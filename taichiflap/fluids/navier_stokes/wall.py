@@ -97,7 +97,7 @@ def move_wall(body: View, flow: View, b, n):
         for k in range(body.modes[b]):
             line = LINES + MODAL_LINES * k
             shape = flow.line[b, line + SHAPE, m]
-            bending = bending + body.q_guess[b, RATE, k] * shape
+            bending = bending + body.q_predicted[b, RATE, k] * shape
             flow.line[b, line + MODAL, m] = shape * g_y * scale
             flow.line[b, line + MODAL_STREAM, m] = flow.line[b, line + INTEGRAL, m] * (0.0 - scale)
         flow.line[b, TANGENT, m] = ((v_z + rate * y) * g_y - (v_y - rate * z) * g_z) * scale

@@ -26,11 +26,11 @@ from .lattice import (
     RELEASED,
     SHEDDING,
     SHEDS,
-    SLIP,
     SPAN,
     SPEED,
     SUM,
     SUM_BEFORE,
+    TANGENTIAL,
     TOTAL,
     WHOLE,
     between,
@@ -38,7 +38,7 @@ from .lattice import (
 )  # fmt: skip
 from .long_wake import LongWakes
 from .stations import ACT, AHEAD, BEHIND, NODE, absorbs, has_edge, is_listed, sheds
-from .wake import COUNT, CROSSINGS, FAR_ERROR, KEEP, OLDEST, YOUNGEST
+from .wake import CAPACITY, COUNT, CROSSINGS, FAR_ERROR, OLDEST, YOUNGEST
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
             if column == 0:
                 change += rule[C1] * flow.panel[b, SUM, i] + rule[C2] * flow.panel[b, SUM_BEFORE, i]
             along, _ = acting_tangent(flow, b, i)
-            steady = flow.air[b, SLIP, i] * circulation * along
+            steady = flow.air[b, TANGENTIAL, i] * circulation * along
             for j in range(modes):
                 share = steady * flow.shape[b, j, ACT, i]
                 share += change_ahead * flow.shape[b, j, AHEAD, i] + change * flow.shape[b, j, BEHIND, i]
@@ -177,7 +177,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         if flow.size[b, WHOLE] == 1:
             y_step, z_step = y_0, z_0
             y_act, z_act = between(y_0, y_1, 0.5), between(z_0, z_1, 0.5)
-        steady = scale * flow.air[b, SLIP, i] * circulation
+        steady = scale * flow.air[b, TANGENTIAL, i] * circulation
         along, across = acting_tangent(flow, b, i)
         unsteady = scale * (change_ahead * (y_step - y_0) + change * (y_1 - y_step))
         normal = steady * along + unsteady
@@ -219,15 +219,15 @@ def prepare(batch: View, b, n, rule, used: View):
             used.single_precision,
         )
     carry_gust(batch.flow.stream, b, n * batch.body.dt[b])
-    lattice.lay_panels(batch.body, batch.flow, b, n)
-    lattice.guard(batch.body, batch.flow, batch.wake, b, n)
+    lattice.place_panels(batch.body, batch.flow, b, n)
+    lattice.reflect_crossings(batch.body, batch.flow, batch.wake, b, n)
     lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used)
-    lattice.wash_panels(batch.body, batch.flow, batch.wake, b, n)
+    lattice.wake_at_panels(batch.body, batch.flow, batch.wake, b, n)
     lattice.assemble(batch.body, batch.flow, b, n)
     if ti.static(used.shedding):
         if batch.flow.size[b, SHEDDING] == 1:
             leading_edge.place(batch.body, batch.flow, batch.wake, b, n)
-            leading_edge.wash_edge(batch.body, batch.flow, batch.wake, b, n)
+            leading_edge.wake_at_edge(batch.body, batch.flow, batch.wake, b, n)
             leading_edge.assemble(batch.body, batch.flow, b)
     lattice.solve(batch.body, batch.flow, b)
     if ti.static(used.shedding):
@@ -244,7 +244,7 @@ def prepare(batch: View, b, n, rule, used: View):
             tangential.past_vortices(batch.body, batch.flow, batch.wake, b, n)
     if ti.static(used.suction):
         if batch.flow.constant[b, FACTOR] > 0.0:
-            tangential.suck(batch.body, batch.flow, batch.wake, b, n)
+            tangential.leading_edge_suction(batch.body, batch.flow, batch.wake, b, n)
     load_modes(batch.body, batch.flow, b, rule, used)
 
 
@@ -260,26 +260,26 @@ BOUND, CROSSED, LOST, FAR, SUCTION_VELOCITY, FROM_LEADING, FROM_TRAILING, EDGE_S
 
 @ti.func
 def record_step(batch: View, b, row):
-    batch.film.series[b, row, BOUND] = batch.flow.scalar[b, TOTAL]
-    batch.film.series[b, row, CROSSED] = ti.cast(batch.wake.ring[b, CROSSINGS], ti.f64)
-    batch.film.series[b, row, LOST] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
-    batch.film.series[b, row, FAR] = batch.wake.tally[b, FAR_ERROR]
-    batch.film.series[b, row, SUCTION_VELOCITY] = batch.flow.scalar[b, SPEED]
-    batch.film.series[b, row, FROM_LEADING] = batch.flow.scalar[b, RELEASED]
-    batch.film.series[b, row, FROM_TRAILING] = -batch.flow.scalar[b, TOTAL] - batch.flow.scalar[b, RELEASED]
-    batch.film.series[b, row, EDGE_SHEDS] = batch.flow.scalar[b, SHEDS]
+    batch.output.series[b, row, BOUND] = batch.flow.scalar[b, TOTAL]
+    batch.output.series[b, row, CROSSED] = ti.cast(batch.wake.ring[b, CROSSINGS], ti.f64)
+    batch.output.series[b, row, LOST] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
+    batch.output.series[b, row, FAR] = batch.wake.tally[b, FAR_ERROR]
+    batch.output.series[b, row, SUCTION_VELOCITY] = batch.flow.scalar[b, SPEED]
+    batch.output.series[b, row, FROM_LEADING] = batch.flow.scalar[b, RELEASED]
+    batch.output.series[b, row, FROM_TRAILING] = -batch.flow.scalar[b, TOTAL] - batch.flow.scalar[b, RELEASED]
+    batch.output.series[b, row, EDGE_SHEDS] = batch.flow.scalar[b, SHEDS]
 
 
 @ti.func
 def record(batch: View, b, frame):
     for i in range(batch.flow.size[b, PANELS]):
-        batch.film.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
-        batch.film.pressure_jump[b, frame, i] = ti.cast(batch.flow.panel[b, PRESSURE, i], ti.f32)
-    batch.film.wake_count[b, frame] = batch.wake.ring[b, COUNT]
+        batch.output.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
+        batch.output.pressure_jump[b, frame, i] = ti.cast(batch.flow.panel[b, PRESSURE, i], ti.f32)
+    batch.output.wake_count[b, frame] = batch.wake.ring[b, COUNT]
     for m in range(batch.wake.ring[b, COUNT]):
-        place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, KEEP]
-        batch.film.wake_y[b, frame, m] = ti.cast(batch.wake.vortex[b, Y, place], ti.f32)
-        batch.film.wake_z[b, frame, m] = ti.cast(batch.wake.vortex[b, Z, place], ti.f32)
-        batch.film.wake_circulation[b, frame, m] = ti.cast(batch.wake.vortex[b, CIRCULATION, place], ti.f32)
-        batch.film.wake_birth[b, frame, m] = batch.wake.birth[b, place]
-        batch.film.wake_edge[b, frame, m] = batch.wake.edge[b, place]
+        place = (batch.wake.ring[b, OLDEST] + m) % batch.wake.ring[b, CAPACITY]
+        batch.output.wake_y[b, frame, m] = ti.cast(batch.wake.vortex[b, Y, place], ti.f32)
+        batch.output.wake_z[b, frame, m] = ti.cast(batch.wake.vortex[b, Z, place], ti.f32)
+        batch.output.wake_circulation[b, frame, m] = ti.cast(batch.wake.vortex[b, CIRCULATION, place], ti.f32)
+        batch.output.wake_birth[b, frame, m] = batch.wake.birth[b, place]
+        batch.output.wake_edge[b, frame, m] = batch.wake.edge[b, place]

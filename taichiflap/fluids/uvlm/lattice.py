@@ -20,22 +20,22 @@ from ...march.stream import KIND, gust_at, streams
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
-from ...vortex.sum import CORE2, INV_2PI, TINY, Y, Z, induce, octet, store_octet, unit_velocity
+from ...vortex.sum import CORE2, TINY, Y, Z, induce, normal_velocity, octet, store_octet, vortex_velocity
 from . import merging, wake
 from . import stations as spacing
 from .stations import NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
-from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, GAP, REFLECTS, TRAILING, YOUNGEST
+from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, HEIGHT, REFLECTS, TRAILING, YOUNGEST
 
 ALONG, ACROSS = 2, 3
 """Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
 PANELS, WHOLE, SHEDDING = range(3)
 """Columns of `size`: number of panels; 1 where the pressure counts whole panels (`loads = "panels"`); 1 where the
 leading edge sheds."""
-STREAM_Y, STREAM_Z, DENSITY, FACTOR, EDGE_FACTOR, LIMIT, FRICTION = range(7)
+STREAM_Y, STREAM_Z, DENSITY, FACTOR, EDGE_FACTOR, SUCTION_LIMIT, FRICTION = range(7)
 """Columns of `constant`: of the free stream, m/s; of the fluid, kg/m3; suction over the square of the through-flow at
 the leading edge, N s2/m2 (`spacing.suction_factor`; 0: none); `spacing.edge_factor`; largest suction velocity, m/s;
 friction of a side over area and the power 1.5 of its speed (0: none)."""
-(TOTAL, SUCTION, SPEED, SHEDS, RELEASED, RELEASED_BEFORE, WASH_Y, WASH_Z, NEW_Y, NEW_Z, LEADING_Y,
+(TOTAL, SUCTION, SPEED, SHEDS, RELEASED, RELEASED_BEFORE, WAKE_Y, WAKE_Z, NEW_Y, NEW_Z, LEADING_Y,
  LEADING_Z) = range(12)  # fmt: skip
 """Columns of `scalar`: bound circulation one step earlier, m2/s; suction, N, as expected; suction velocity at the
 leading edge, m/s, see `leading_edge`; 1 while that edge sheds; circulation that it has shed so far and until a step
@@ -46,7 +46,7 @@ LENGTH, SPAN, PRESSURE, SUM, SUM_BEFORE = range(5)
 earlier and two, m2/s."""
 CONTROL = 4
 """First row of the control points in `bound`, after the vortices with their circulation and core."""
-WASH, SLIP, NEW, NEW_LEADING = 0, 2, 4, 6
+WAKE, TANGENTIAL, NEW, NEW_LEADING = 0, 2, 4, 6
 """First rows of `air`, velocities at the control points, m/s: of the wake, in wing axes; of the fluid past the panel,
 along it, as expected (a second row is scratch); of a new vortex of unit circulation at the trailing edge, and of one at
 the leading edge, if it sheds."""
@@ -128,23 +128,23 @@ def deflect(flow: View, state: View, b, row, table, i, modes):
 
 
 @ti.func
-def lay_panels(body: View, flow: View, b, n):
+def place_panels(body: View, flow: View, b, n):
     """Panels, bound vortices and control points of the wing as it is expected to deform."""
     modes = body.modes[b]
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
     for i in range(flow.size[b, PANELS] + 1):
-        flow.node[b, Z, i] = deflect(flow, body.q_guess, b, AMPLITUDE, NODE, i, modes)
-        flow.node[b, 2, i] = deflect(flow, body.q_known, b, RATE, NODE, i, modes)
+        flow.node[b, Z, i] = deflect(flow, body.q_predicted, b, AMPLITUDE, NODE, i, modes)
+        flow.node[b, 2, i] = deflect(flow, body.q_free, b, RATE, NODE, i, modes)
     for i in range(flow.size[b, PANELS]):
         dy = flow.node[b, Y, i + 1] - flow.node[b, Y, i]
         dz = flow.node[b, Z, i + 1] - flow.node[b, Z, i]
         flow.panel[b, LENGTH, i] = ti.sqrt(dy * dy + dz * dz)
-        put(flow.vortex, deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX, i, modes),
-            deflect(flow, body.q_guess, b, AMPLITUDE, VORTEX_SLOPE, i, modes), b, i)  # fmt: skip
-        put(flow.point, deflect(flow, body.q_guess, b, AMPLITUDE, POINT, i, modes),
-            deflect(flow, body.q_guess, b, AMPLITUDE, POINT_SLOPE, i, modes), b, i)  # fmt: skip
+        put(flow.vortex, deflect(flow, body.q_predicted, b, AMPLITUDE, VORTEX, i, modes),
+            deflect(flow, body.q_predicted, b, AMPLITUDE, VORTEX_SLOPE, i, modes), b, i)  # fmt: skip
+        put(flow.point, deflect(flow, body.q_predicted, b, AMPLITUDE, POINT, i, modes),
+            deflect(flow, body.q_predicted, b, AMPLITUDE, POINT_SLOPE, i, modes), b, i)  # fmt: skip
         flow.bound[b, Y, i] = o_y + cosine * flow.vortex[b, Y, i] - sine * flow.vortex[b, Z, i]
         flow.bound[b, Z, i] = o_z + sine * flow.vortex[b, Y, i] + cosine * flow.vortex[b, Z, i]
         flow.bound[b, CONTROL + Y, i] = o_y + cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
@@ -161,7 +161,7 @@ def put(stations: View, deflection, slope, b, i):
 
 
 @ti.func
-def guard(body: View, flow: View, wakes: View, b, n):
+def reflect_crossings(body: View, flow: View, wakes: View, b, n):
     """Count the wake vortices that the wing has come upon since the last step, and keep them on their side of it.
 
     A vortex that was above the wing and now is below stands as far above instead; it may go around an edge.
@@ -184,13 +184,13 @@ def guard(body: View, flow: View, wakes: View, b, n):
                     high = half
             share = (y - flow.node[b, Y, low]) / (flow.node[b, Y, high] - flow.node[b, Y, low])
             gap = cosine * d_z - sine * d_y - between(flow.node[b, Z, low], flow.node[b, Z, high], share)
-        if gap * wakes.vortex[b, GAP, m] < 0.0:
+        if gap * wakes.vortex[b, HEIGHT, m] < 0.0:
             wakes.ring[b, CROSSINGS] = wakes.ring[b, CROSSINGS] + 1
             if wakes.setting[b, REFLECTS] > 0.0:
                 wakes.vortex[b, Y, m] = wakes.vortex[b, Y, m] + 2.0 * gap * sine
                 wakes.vortex[b, Z, m] = wakes.vortex[b, Z, m] - 2.0 * gap * cosine
                 gap = -gap
-        wakes.vortex[b, GAP, m] = gap
+        wakes.vortex[b, HEIGHT, m] = gap
 
 
 @ti.func
@@ -239,13 +239,13 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
     flow.scalar[b, NEW_Z] = z
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.size[b, PANELS]):
-        flow.air[b, NEW + Y, i], flow.air[b, NEW + Z, i] = unit_velocity(
-            flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2
+        flow.air[b, NEW + Y, i], flow.air[b, NEW + Z, i] = vortex_velocity(
+            1.0, flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2
         )
 
 
 @ti.func
-def wash_panels(body: View, flow: View, wakes: View, b, n):
+def wake_at_panels(body: View, flow: View, wakes: View, b, n):
     """Velocity of the wake, and of a gust, at the control points, along e_y and e_z."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
@@ -253,8 +253,8 @@ def wash_panels(body: View, flow: View, wakes: View, b, n):
         y = octet(flow.bound, b, CONTROL + Y, 8 * block)
         z = octet(flow.bound, b, CONTROL + Z, 8 * block)
         u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
-        store_octet(flow.air, b, WASH + Y, 8 * block, cosine * u_y + sine * u_z)
-        store_octet(flow.air, b, WASH + Z, 8 * block, cosine * u_z - sine * u_y)
+        store_octet(flow.air, b, WAKE + Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.air, b, WAKE + Z, 8 * block, cosine * u_z - sine * u_y)
     if flow.stream[b, KIND] > 0.0:
         last = flow.size[b, PANELS] - 1
         for i in range(last + 1):
@@ -263,8 +263,8 @@ def wash_panels(body: View, flow: View, wakes: View, b, n):
             if i < last:
                 cell = flow.vortex[b, Y, i + 1] - flow.vortex[b, Y, i]
             g_y, g_z = gust_at(flow.stream, b, flow.bound[b, CONTROL + Y, i], flow.bound[b, CONTROL + Z, i], cell)
-            flow.air[b, WASH + Y, i] = flow.air[b, WASH + Y, i] + cosine * g_y + sine * g_z
-            flow.air[b, WASH + Z, i] = flow.air[b, WASH + Z, i] + cosine * g_z - sine * g_y
+            flow.air[b, WAKE + Y, i] = flow.air[b, WAKE + Y, i] + cosine * g_y + sine * g_z
+            flow.air[b, WAKE + Z, i] = flow.air[b, WAKE + Z, i] + cosine * g_z - sine * g_y
 
 
 @ti.func
@@ -284,10 +284,10 @@ def assemble(body: View, flow: View, b, n):
         for block in range((flow.size[b, PANELS] + 7) // 8):
             dy = flow.point[b, Y, i] - octet(flow.vortex, b, Y, 8 * block)
             dz = flow.point[b, Z, i] - octet(flow.vortex, b, Z, 8 * block)
-            flow.matrix[b, i, block] = INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz) - new
-        u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.air[b, WASH + Y, i]
-        u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.air[b, WASH + Z, i]
-        u_z += deflect(flow, body.q_known, b, RATE, POINT, i, modes)
+            flow.matrix[b, i, block] = normal_velocity(1.0, dy, dz, t_y, t_z) - new
+        u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.air[b, WAKE + Y, i]
+        u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.air[b, WAKE + Z, i]
+        u_z += deflect(flow, body.q_free, b, RATE, POINT, i, modes)
         flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.scalar[b, TOTAL]
         for k in range(modes):
             flow.solution[b, k + 1, i] = flow.shape[b, k, POINT, i] * t_y
@@ -305,5 +305,5 @@ def circulation_at(body: View, flow: View, state: View, b, i):
     """Circulation of panel `i` at the modal rates of a state."""
     circulation = flow.solution[b, 0, i]
     for k in range(body.modes[b]):
-        circulation += flow.solution[b, k + 1, i] * (state[b, RATE, k] - body.q_known[b, RATE, k])
+        circulation += flow.solution[b, k + 1, i] * (state[b, RATE, k] - body.q_free[b, RATE, k])
     return circulation

@@ -14,7 +14,7 @@ known rate_k)`. Every column takes its share of the new vortex, and neither load
 from ...kernels.runtime import Octet, View, ti
 from ...march.state import AMPLITUDE, C0, C1, C2, COSINE, RATE, SINE
 from ...motion.sampling import PLUNGE, SURGE
-from ...vortex.sum import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, induce, unit_velocity
+from ...vortex.sum import CIRCULATION, CORE2, TINY, Y, Z, induce, normal_velocity, vortex_velocity
 from . import wake
 from .lattice import (
     ACROSS,
@@ -23,7 +23,6 @@ from .lattice import (
     EDGE_FACTOR,
     LEADING_Y,
     LEADING_Z,
-    LIMIT,
     NEW,
     NEW_LEADING,
     NEW_Y,
@@ -34,9 +33,10 @@ from .lattice import (
     SHEDS,
     SPEED,
     STRENGTH,
+    SUCTION_LIMIT,
     TOTAL,
-    WASH_Y,
-    WASH_Z,
+    WAKE_Y,
+    WAKE_Z,
     deflect,
     velocity_past,
 )  # fmt: skip
@@ -47,7 +47,7 @@ from .wake import ALONG_PATH, COUNT, DISTANCE, LEADING, YOUNGEST, YOUNGEST_LEADI
 @ti.func
 def tangent(body: View, flow: View, b):
     """Unit tangent of the camber line at the leading edge, and its stretch."""
-    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    slope = deflect(flow, body.q_predicted, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
     stretch = ti.sqrt(1.0 + slope * slope)
     return 1.0 / stretch, slope / stretch, stretch
 
@@ -63,7 +63,7 @@ def place(body: View, flow: View, wakes: View, b, n):
     sine = body.motion[b, n, SINE]
     t_y, t_z, _ = tangent(body, flow, b)
     u_y, u_z = velocity_past(body, flow, b, n, 0)
-    w_y, w_z = flow.scalar[b, WASH_Y], flow.scalar[b, WASH_Z]
+    w_y, w_z = flow.scalar[b, WAKE_Y], flow.scalar[b, WAKE_Z]
     if flow.scalar[b, SHEDS] > 0.0:
         youngest = wakes.ring[b, YOUNGEST_LEADING]
         w_y = wakes.velocity[b, Y, youngest] - flow.constant[b, Y]
@@ -79,13 +79,13 @@ def place(body: View, flow: View, wakes: View, b, n):
     flow.scalar[b, LEADING_Z] = z
     core2 = wake.core2_at_birth(wakes, b)
     for i in range(flow.size[b, PANELS]):
-        u_y, u_z = unit_velocity(flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2)
+        u_y, u_z = vortex_velocity(1.0, flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2)
         flow.air[b, NEW_LEADING + Y, i] = u_y
         flow.air[b, NEW_LEADING + Z, i] = u_z
 
 
 @ti.func
-def wash_edge(body: View, flow: View, wakes: View, b, n):
+def wake_at_edge(body: View, flow: View, wakes: View, b, n):
     """Velocity of the wake at the leading edge, along Y and Z."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
@@ -93,8 +93,8 @@ def wash_edge(body: View, flow: View, wakes: View, b, n):
     at_y = body.motion[b, n, SURGE] + cosine * y - sine * z
     at_z = body.motion[b, n, PLUNGE] + sine * y + cosine * z
     u_y, u_z = induce(Octet(at_y), Octet(at_z), TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
-    flow.scalar[b, WASH_Y] = u_y[0]
-    flow.scalar[b, WASH_Z] = u_z[0]
+    flow.scalar[b, WAKE_Y] = u_y[0]
+    flow.scalar[b, WAKE_Z] = u_z[0]
 
 
 @ti.func
@@ -116,10 +116,10 @@ def measure(body: View, flow: View, wakes: View, b, n):
     scale = ti.sqrt(stretch) / flow.constant[b, EDGE_FACTOR]
     y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
-    u_y, u_z = unit_velocity(y - flow.scalar[b, NEW_Y], z - flow.scalar[b, NEW_Z], core2)
+    u_y, u_z = vortex_velocity(1.0, y - flow.scalar[b, NEW_Y], z - flow.scalar[b, NEW_Z], core2)
     new = u_z * t_y - u_y * t_z
     core2 = wake.core2_at_birth(wakes, b)
-    u_y, u_z = unit_velocity(y - flow.scalar[b, LEADING_Y], z - flow.scalar[b, LEADING_Z], core2)
+    u_y, u_z = vortex_velocity(1.0, y - flow.scalar[b, LEADING_Y], z - flow.scalar[b, LEADING_Z], core2)
     leading = u_z * t_y - u_y * t_z
     for column in range(modes + 2):
         through = 0.0
@@ -127,10 +127,10 @@ def measure(body: View, flow: View, wakes: View, b, n):
         for i in range(flow.size[b, PANELS]):
             dy, dz = y - flow.vortex[b, Y, i], z - flow.vortex[b, Z, i]
             circulation = flow.solution[b, column, i]
-            through += circulation * INV_2PI * (dy * t_y + dz * t_z) / (dy * dy + dz * dz)
+            through += normal_velocity(circulation, dy, dz, t_y, t_z)
             bound += circulation
         if column == 0:
-            w_y, w_z = flow.scalar[b, WASH_Y], flow.scalar[b, WASH_Z]
+            w_y, w_z = flow.scalar[b, WAKE_Y], flow.scalar[b, WAKE_Z]
             u_y, u_z = velocity_past(body, flow, b, n, 0)
             u_y += cosine * w_y + sine * w_z
             u_z += cosine * w_z - sine * w_y
@@ -147,7 +147,7 @@ def at_rates(body: View, flow: View, state: View, b, row):
     """A row of `edge` at the modal rates of a state."""
     value = flow.edge[b, row, 0]
     for k in range(body.modes[b]):
-        value += flow.edge[b, row, k + 1] * (state[b, RATE, k] - body.q_known[b, RATE, k])
+        value += flow.edge[b, row, k + 1] * (state[b, RATE, k] - body.q_free[b, RATE, k])
     return value
 
 
@@ -167,8 +167,8 @@ def shed(body: View, flow: View, wakes: View, b, n):
     It is decided at the expected modal rates; the strength then follows from the actual ones.
     """
     modes = body.modes[b]
-    limit = flow.constant[b, LIMIT]
-    expected = at_rates(body, flow, body.q_guess, b, BASE)
+    limit = flow.constant[b, SUCTION_LIMIT]
+    expected = at_rates(body, flow, body.q_predicted, b, BASE)
     flow.scalar[b, SHEDS] = 0.0
     if ti.abs(expected) > limit or limit == 0.0:
         flow.scalar[b, SHEDS] = 1.0

@@ -15,16 +15,16 @@ two edges, are lists in the order of shedding, not rings: their oldest stands at
 """
 
 from ...kernels.runtime import View, ti
-from ...vortex.sum import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z
+from ...vortex.sum import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, vortex_velocity
 from .wake import (
     ABSORB_BEYOND,
     ABSORBS,
     BEFORE,
+    CAPACITY,
     COUNT,
+    DECAY,
     DROPPED,
-    FADE,
-    GAP,
-    KEEP,
+    HEIGHT,
     LEADING,
     MERGE_BEYOND,
     MERGES,
@@ -46,7 +46,7 @@ LONGEST_MOVE = 1.0
 @ti.func
 def place_of(wake: View, b, order):
     """Place in the ring of the vortex shed as number `order` of those held."""
-    return (wake.ring[b, OLDEST] + order) % wake.ring[b, KEEP]
+    return (wake.ring[b, OLDEST] + order) % wake.ring[b, CAPACITY]
 
 
 @ti.func
@@ -147,13 +147,13 @@ def make_room(wake: View, b, n, y, z, used: View):
         if listed:
             if n % MERGE_EVERY == 0 and wake.setting[b, MERGES] > 0.0:
                 merge(wake, b, n, y, z)
-            shortens = wake.ring[b, COUNT] + ti.cast(wake.setting[b, SHED_A_STEP], ti.i32) > wake.ring[b, KEEP]
+            shortens = wake.ring[b, COUNT] + ti.cast(wake.setting[b, SHED_A_STEP], ti.i32) > wake.ring[b, CAPACITY]
             if shortens:
-                wake.tally[b, Y] = wake.setting[b, FADE] * wake.tally[b, Y]
-                wake.tally[b, Z] = wake.setting[b, FADE] * wake.tally[b, Z]
-            while wake.ring[b, COUNT] + ti.cast(wake.setting[b, SHED_A_STEP], ti.i32) > wake.ring[b, KEEP]:
+                wake.tally[b, Y] = wake.setting[b, DECAY] * wake.tally[b, Y]
+                wake.tally[b, Z] = wake.setting[b, DECAY] * wake.tally[b, Z]
+            while wake.ring[b, COUNT] + ti.cast(wake.setting[b, SHED_A_STEP], ti.i32) > wake.ring[b, CAPACITY]:
                 shorten(wake, b, y, z, used)
-    if not listed and wake.ring[b, COUNT] == wake.ring[b, KEEP]:
+    if not listed and wake.ring[b, COUNT] == wake.ring[b, CAPACITY]:
         lost_y, lost_z = loss_of_oldest(wake, b, y, z)
         if ti.static(used.absorbing):
             order = -1
@@ -165,8 +165,8 @@ def make_room(wake: View, b, n, y, z, used: View):
                 for m in range(order):
                     move(wake, b, place_of(wake, b, order - m - 1), place_of(wake, b, order - m))
                 wake.vortex[b, CIRCULATION, place_of(wake, b, 0)] = 0.0
-        wake.tally[b, Y] = wake.setting[b, FADE] * wake.tally[b, Y] + lost_y
-        wake.tally[b, Z] = wake.setting[b, FADE] * wake.tally[b, Z] + lost_z
+        wake.tally[b, Y] = wake.setting[b, DECAY] * wake.tally[b, Y] + lost_y
+        wake.tally[b, Z] = wake.setting[b, DECAY] * wake.tally[b, Z] + lost_z
 
 
 @ti.func
@@ -251,14 +251,13 @@ def blend(wake: View, b, i, a):
         wake.velocity[b, row, a] = share * wake.velocity[b, row, i] + (1.0 - share) * wake.velocity[b, row, a]
     wake.vortex[b, CIRCULATION, a] = gamma
     wake.vortex[b, CORE2, a] = ti.max(wake.vortex[b, CORE2, i], wake.vortex[b, CORE2, a])
-    wake.vortex[b, GAP, a] = 0.0
+    wake.vortex[b, HEIGHT, a] = 0.0
 
 
 @ti.func
 def velocity_of(wake: View, b, place, gamma, dy, dz):
     """Velocity at (dy, dz) from a vortex of circulation `gamma`, with the core of the one at `place`."""
-    strength = INV_2PI * gamma / (dy * dy + dz * dz + wake.vortex[b, CORE2, place] + TINY)
-    return -dz * strength, dy * strength
+    return vortex_velocity(gamma, dy, dz, wake.vortex[b, CORE2, place] + TINY)
 
 
 @ti.func

@@ -16,16 +16,16 @@ from .lattice import (
     FACTOR,
     FRICTION,
     LENGTH,
-    LIMIT,
     NEW,
     PANELS,
     SHEDS,
-    SLIP,
     SPAN,
     SPEED,
     SUCTION,
+    SUCTION_LIMIT,
+    TANGENTIAL,
     TOTAL,
-    WASH,
+    WAKE,
     circulation_at,
     deflect,
 )  # fmt: skip
@@ -39,8 +39,8 @@ def new_circulation(body: View, flow: View, b):
     """Circulation of the new vortex at the expected modal rates (Kelvin)."""
     new = flow.scalar[b, TOTAL]
     for i in range(flow.size[b, PANELS]):
-        new -= circulation_at(body, flow, body.q_guess, b, i)
-    return new - released_at(body, flow, body.q_guess, b)
+        new -= circulation_at(body, flow, body.q_predicted, b, i)
+    return new - released_at(body, flow, body.q_predicted, b)
 
 
 @ti.func
@@ -53,20 +53,20 @@ def past_points(body: View, flow: View, b, n):
     p_y, p_z = pivot_velocity(body, flow.constant, b, n)
     new = new_circulation(body, flow, b)
     for i in range(flow.size[b, PANELS]):
-        u_y = flow.air[b, WASH + Y, i] + new * flow.air[b, NEW + Y, i] - p_y + theta_rate * flow.point[b, Z, i]
-        u_z = flow.air[b, WASH + Z, i] + new * flow.air[b, NEW + Z, i] - p_z - theta_rate * flow.point[b, Y, i]
-        u_z -= deflect(flow, body.q_guess, b, RATE, POINT, i, body.modes[b])
-        flow.air[b, SLIP, i] = u_y * flow.point[b, ALONG, i] + u_z * flow.point[b, ACROSS, i]
+        u_y = flow.air[b, WAKE + Y, i] + new * flow.air[b, NEW + Y, i] - p_y + theta_rate * flow.point[b, Z, i]
+        u_z = flow.air[b, WAKE + Z, i] + new * flow.air[b, NEW + Z, i] - p_z - theta_rate * flow.point[b, Y, i]
+        u_z -= deflect(flow, body.q_predicted, b, RATE, POINT, i, body.modes[b])
+        flow.air[b, TANGENTIAL, i] = u_y * flow.point[b, ALONG, i] + u_z * flow.point[b, ACROSS, i]
 
 
 @ti.func
 def expect_circulation(body: View, flow: View, wakes: View, b):
     """Give the bound vortices and the new ones the circulation of the expected modal rates."""
     for i in range(flow.size[b, PANELS]):
-        flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_guess, b, i)
+        flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_predicted, b, i)
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = new_circulation(body, flow, b)
     if flow.scalar[b, SHEDS] > 0.0:
-        wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST_LEADING]] = released_at(body, flow, body.q_guess, b)
+        wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST_LEADING]] = released_at(body, flow, body.q_predicted, b)
 
 
 @ti.func
@@ -91,17 +91,17 @@ def past_vortices(body: View, flow: View, wakes: View, b, n):
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
         u_y, u_z = induced(flow, wakes, octet(flow.bound, b, Y, 8 * block), octet(flow.bound, b, Z, 8 * block), b)
-        store_octet(flow.air, b, SLIP + Y, 8 * block, cosine * u_y + sine * u_z)
-        store_octet(flow.air, b, SLIP + Z, 8 * block, cosine * u_z - sine * u_y)
+        store_octet(flow.air, b, TANGENTIAL + Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.air, b, TANGENTIAL + Z, 8 * block, cosine * u_z - sine * u_y)
     for i in range(flow.size[b, PANELS]):
         t_y = flow.vortex[b, ALONG, i]
         t_z = flow.vortex[b, ACROSS, i]
-        u_y = flow.air[b, SLIP + Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
-        u_z = flow.air[b, SLIP + Z, i] - p_z - theta_rate * flow.vortex[b, Y, i]
-        u_z -= deflect(flow, body.q_guess, b, RATE, VORTEX, i, body.modes[b])
+        u_y = flow.air[b, TANGENTIAL + Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
+        u_z = flow.air[b, TANGENTIAL + Z, i] - p_z - theta_rate * flow.vortex[b, Y, i]
+        u_z -= deflect(flow, body.q_predicted, b, RATE, VORTEX, i, body.modes[b])
         turn = t_y * flow.point[b, ACROSS, i] - t_z * flow.point[b, ALONG, i]
         bend = turn * t_y / (flow.point[b, Y, i] - flow.vortex[b, Y, i])
-        flow.air[b, SLIP, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
+        flow.air[b, TANGENTIAL, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
 
 
 @ti.func
@@ -118,7 +118,7 @@ def friction(flow: View, b, bound):
     arc, along = 0.0, 0.0
     for i in range(flow.size[b, PANELS]):
         arc += flow.panel[b, LENGTH, i]
-        along += flow.panel[b, LENGTH, i] * flow.air[b, SLIP, i]
+        along += flow.panel[b, LENGTH, i] * flow.air[b, TANGENTIAL, i]
     stress = 0.0
     for side in ti.static((-0.5, 0.5)):
         speed = (along + side * bound) / arc
@@ -132,13 +132,13 @@ def friction(flow: View, b, bound):
 
 
 @ti.func
-def suck(body: View, flow: View, wakes: View, b, n):
+def leading_edge_suction(body: View, flow: View, wakes: View, b, n):
     """Suction at the leading edge, along its tangent: from the flow through the lattice there, as expected.
 
     Lan (1974): the lattice closes the wing at its control points alone, and what it lets through at the leading edge
     is proportional to the strength of the singularity of the flow around it.
     """
-    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    slope = deflect(flow, body.q_predicted, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
     stretch = ti.sqrt(1.0 + slope * slope)
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.constant, b, n)
@@ -150,11 +150,11 @@ def suck(body: View, flow: View, wakes: View, b, n):
     v_y, v_z = induced(flow, wakes, Octet(edge_y), Octet(edge_z), b)
     u_y = cosine * v_y[0] + sine * v_z[0] - p_y + theta_rate * z
     u_z = cosine * v_z[0] - sine * v_y[0] - p_z - theta_rate * y
-    u_z -= deflect(flow, body.q_guess, b, RATE, NODE, 0, body.modes[b])
+    u_z -= deflect(flow, body.q_predicted, b, RATE, NODE, 0, body.modes[b])
     through = (u_z - slope * u_y) / stretch
     if flow.scalar[b, SHEDS] > 0.0:
         # Its limit to the last bit, at which the vortex that it sheds holds it.
-        at_limit = flow.constant[b, EDGE_FACTOR] * flow.constant[b, LIMIT]
+        at_limit = flow.constant[b, EDGE_FACTOR] * flow.constant[b, SUCTION_LIMIT]
         flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * at_limit * at_limit
     else:
         flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * stretch * through * through
@@ -164,6 +164,6 @@ def suck(body: View, flow: View, wakes: View, b, n):
 @ti.func
 def suction_force(body: View, flow: View, b):
     """The suction along e_y and e_z: it pulls the leading edge forward along its tangent."""
-    slope = deflect(flow, body.q_guess, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
+    slope = deflect(flow, body.q_predicted, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
     forward = flow.scalar[b, SUCTION] / ti.sqrt(1.0 + slope * slope)
     return -forward, -forward * slope

@@ -38,12 +38,12 @@ TRAILING, LEADING = range(2)
 MERGE_FROM = 1.5
 """Distance, in chords, from the middle of the wing within which no vortices are merged."""
 
-KEEP, COUNT, OLDEST, YOUNGEST, CARRIED, CROSSINGS, YOUNGEST_LEADING = range(7)
+CAPACITY, COUNT, OLDEST, YOUNGEST, CARRIED, CROSSINGS, YOUNGEST_LEADING = range(7)
 """Entries of a ring: its size, how many vortices it holds, the places of the first shed and of the last from the
 trailing edge, the step for which the velocities are known beforehand, how often a vortex has come upon the wing, and
 the place of the last shed from the leading edge."""
 
-(ALONG_PATH, DISTANCE, BLEND, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, FADE, REFLECTS, SINGLE, SHED_A_STEP, MERGES,
+(ALONG_PATH, DISTANCE, AB2, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, DECAY, REFLECTS, SINGLE, SHED_A_STEP, MERGES,
  MERGE_BEYOND, SPREAD) = range(14)  # fmt: skip
 """Settings of a wake: where new vortices stand on the trailing edge's path during a step (0: at a fixed distance);
 that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
@@ -55,7 +55,7 @@ near to its middle none are, m; what viscosity adds to a squared core in a step,
 DROPPED, FAR_ERROR = 2, 3
 """Columns of the tally, after the velocity at the wing of what was dropped or absorbed, m/s, along Y and Z: circulation
 of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
-GAP = 4
+HEIGHT = 4
 """Row of a wake's vortices after those of `taichiflap.vortex`."""
 BEFORE = 2
 """First row of the velocities one step earlier."""
@@ -116,11 +116,11 @@ def _settings(case: Case) -> list[float]:
 def shed(wake: View, b, n, edge, y, z):
     """Put a vortex of no circulation yet at (y, z), in a free place or in that of the oldest."""
     place = wake.ring[b, COUNT]
-    if place < wake.ring[b, KEEP]:
+    if place < wake.ring[b, CAPACITY]:
         wake.ring[b, COUNT] = place + 1
     else:
         place = wake.ring[b, OLDEST]
-        wake.ring[b, OLDEST] = (place + 1) % wake.ring[b, KEEP]
+        wake.ring[b, OLDEST] = (place + 1) % wake.ring[b, CAPACITY]
         wake.tally[b, DROPPED] = wake.tally[b, DROPPED] + wake.vortex[b, CIRCULATION, place]
     if edge == LEADING:
         wake.ring[b, YOUNGEST_LEADING] = place
@@ -130,8 +130,8 @@ def shed(wake: View, b, n, edge, y, z):
     wake.vortex[b, Z, place] = z
     wake.vortex[b, CIRCULATION, place] = 0.0
     wake.vortex[b, CORE2, place] = 0.0
-    wake.vortex[b, GAP, place] = 0.0
-    grow(wake, b, place, 0.0, 0.0)
+    wake.vortex[b, HEIGHT, place] = 0.0
+    grow_core(wake, b, place, 0.0, 0.0)
     wake.birth[b, place] = n
     wake.edge[b, place] = edge
 
@@ -148,7 +148,7 @@ def core2_at_birth(wake: View, b):
 @ti.func
 def move(wake: View, b, source, to):
     """Put the vortex at one place at another."""
-    for row in range(GAP + 1):
+    for row in range(HEIGHT + 1):
         wake.vortex[b, row, to] = wake.vortex[b, row, source]
     for row in range(4):
         wake.velocity[b, row, to] = wake.velocity[b, row, source]
@@ -228,16 +228,16 @@ def convect(wake: View, bound: View, panels, stream: View, gust: View, b, n, dt,
             now = wake.velocity[b, axis, i]
             change = 0.0
             if wake.birth[b, i] < n - 1:
-                change = wake.setting[b, BLEND] * (now - wake.velocity[b, BEFORE + axis, i])
+                change = wake.setting[b, AB2] * (now - wake.velocity[b, BEFORE + axis, i])
             wake.velocity[b, BEFORE + axis, i] = now
             step = dt * (now + change)
             moved2 += step * step
             wake.vortex[b, axis, i] = wake.vortex[b, axis, i] + step
-        grow(wake, b, i, ti.sqrt(moved2), wake.setting[b, SPREAD])
+        grow_core(wake, b, i, ti.sqrt(moved2), wake.setting[b, SPREAD])
 
 
 @ti.func
-def grow(wake: View, b, i, moved, spread):
+def grow_core(wake: View, b, i, moved, spread):
     """Let the core of a vortex that has moved by a distance grow, up to its full size, and viscosity spread it.
 
     A full core beside the edge would blur the Kutta condition there. Viscosity adds `4 nu dt` to the squared core in a

@@ -10,6 +10,7 @@ from ...case.case import Case
 from ...motion import sampling
 from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
 from ...structure.chordwise import Profile
+from ...vortex.sum import induced_velocity
 
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
@@ -53,16 +54,16 @@ def fly(case: Case, *, still: bool = False, heard: int | None = None) -> Flight:
             wake = wake + case.step * drift
         if len(wake) == kept:
             wake, circulation = wake[1:], circulation[1:]
-        wash = induced(1j * plunge + turn * control, wake, circulation) / turn
-        across = speed * math.cos(pitch) + rate * control - wash.imag
+        of_wake = induced(1j * plunge + turn * control, wake, circulation) / turn
+        across = speed * math.cos(pitch) + rate * control - of_wake.imag
         solution = solve @ np.append(across, total)
         bound_now, total = solution[:-1], float(solution[:-1].sum())
         wake = np.append(wake, 1j * plunge + turn * shed)
         circulation = np.append(circulation, solution[-1])
         running = np.cumsum(bound_now)
-        slip = wash.real - speed * math.sin(pitch)
+        tangential = of_wake.real - speed * math.sin(pitch)
         growth = (0.0 * running, running - sums[0], 1.5 * running - 2.0 * sums[0] + 0.5 * sums[1])[min(n, 2)]
-        normal[n] = -strength * float(np.sum(slip * bound_now + size * growth / case.step))
+        normal[n] = -strength * float(np.sum(tangential * bound_now + size * growth / case.step))
         sums = np.stack((running, sums[0]))
         if not still:
             first = 0 if heard is None else max(0, len(wake) - heard)
@@ -72,10 +73,6 @@ def fly(case: Case, *, still: bool = False, heard: int | None = None) -> Flight:
 
 
 def induced(targets: Points, sources: Points, circulation: Array) -> Points:
-    """Velocity u_y + i u_z (m/s) at each target (Eq. 30), none of a vortex on itself."""
-    y = targets.real[:, None] - sources.real
-    z = targets.imag[:, None] - sources.imag
-    square = y * y + z * z
-    square[square == 0.0] = np.inf
-    pull = circulation / (2.0 * math.pi * square)
-    return np.einsum("ij,ij->i", pull, -z) + 1j * np.einsum("ij,ij->i", pull, y)
+    """Velocity u_y + i u_z (m/s) at each target (Eq. 30). A vortex induces none on itself."""
+    u_y, u_z = induced_velocity((targets.real, targets.imag), (sources.real, sources.imag, circulation), threads=1)
+    return u_y + 1j * u_z

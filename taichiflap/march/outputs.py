@@ -1,8 +1,7 @@
-"""Room for what a march stores of a block of steps, and each case's share of it.
+"""Arrays for the outputs of a block of steps, and each case's share of them.
 
-A field of the fluid model is an array of Taichi, `batch.film.NAME`, with the cases first and then the frames of the
-block. All series are one array, `batch.film.series`: the cases, the steps of the block, and the series in the order in
-which the model declares them.
+Each field of the fluid model is a Taichi array, `batch.output.NAME`, with shape (case, frame, ...). All series share
+one array, `batch.output.series`, with shape (case, step, series) in the order in which the model declares them.
 """
 
 import functools
@@ -18,7 +17,7 @@ KINDS = {"f8": "f64", "f4": "f32", "i4": "i32"}
 
 
 @functools.cache
-def film_type(outputs: tuple[Any, ...]) -> Any:
+def output_type(outputs: tuple[Any, ...]) -> Any:
     """The argpack of a model's outputs."""
     fields = [one for one in outputs if one.field]
     members = {
@@ -28,7 +27,7 @@ def film_type(outputs: tuple[Any, ...]) -> Any:
     return ti.types.argpack(series=ti.types.ndarray(dtype=ti.f64, ndim=3), **members)
 
 
-class Film:
+class Outputs:
     """Room for the outputs of a batch.
 
     Args:
@@ -49,7 +48,7 @@ class Film:
             arrays[one.member] = ti.ndarray(getattr(ti, KINDS[one.dtype]), shape)
             if one.group:
                 arrays.setdefault(_counter(one.group), ti.ndarray(ti.i32, (len(sizes), frames)))
-        self.pack = film_type(outputs)(**arrays)
+        self.pack = output_type(outputs)(**arrays)
         self._views = {name: view(values) for name, values in arrays.items()}
 
     def share(self, b: int, stored: Sequence[Any], steps: int, frames: int) -> dict[str, np.ndarray]:
