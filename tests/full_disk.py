@@ -100,10 +100,15 @@ COMMANDS = {
     "export csv": ["export", "whole.h5", "--to=csv", "-o", "out.csv"],
     "export vtkhdf": ["export", "whole.h5", "--to=vtkhdf", "-o", "out.vtkhdf"],
     "export html": ["export", "whole.h5", "--to=html", "-o", "out.html"],
+    "export gif": ["export", "whole.h5", "--to=gif", "--beats=1", "-o", "out.gif"],
     "plot": ["plot", "whole.h5", "-o", "figure"],
+    "preview": ["preview", LATTICE[0], "-o", "path.png"],
+    "strips": ["strips", *BLADES, "--radii=2", "--at=0.6", "-o", "strips.csv"],
+    "converge": ["converge", *BLADES, "--tolerance=0.5", "-o", "map.h5"],
+    "score": ["score", "--cases=kinsey-dumas", "--models=dbet", "-o", "scores"],
     "init": ["init", "mine.toml"],
 }
-"""Every command that writes, but for films and reports, which take minutes."""
+"""Every command that writes, but for `validate` and `reproduce`, whose pages take minutes."""
 
 
 def compiler():
@@ -156,18 +161,18 @@ def attempt(shim, folder, words, n, persists, told):
 
 def look(folder):
     """Whether all that a command left can be read; drafts of its own are none of it."""
-    for path in sorted(folder.iterdir()):
-        if path.name == "whole.h5":
+    for path in sorted(folder.rglob("*")):
+        if path.name == "whole.h5" or path.is_dir():
             continue
         assert not path.name.startswith("."), f"{path.name} is left"
         if path.name.endswith((".h5", ".h5.part")):
             with h5py.File(path, "r") as plain:
                 plain.visititems(lambda name, item: item[()] if isinstance(item, h5py.Dataset) else None)
-            (taichiflap.open_map if path.name.startswith("map") else taichiflap.open_result)(path).close()
+            (taichiflap.open_result if path.name.startswith("run") else taichiflap.open_map)(path).close()
         elif path.suffix == ".vtkhdf":
             h5py.File(path, "r").close()
         else:
-            assert path.name.endswith((".state", ".csv", ".html", ".png", ".svg", ".toml")), path.name
+            assert path.name.endswith((".state", ".csv", ".json", ".md", ".html", ".gif", ".png", ".svg", ".toml")), path.name
             assert path.stat().st_size > 0, f"{path.name} is empty"
 
 
