@@ -3,7 +3,8 @@
 Case files, settings, tables of motion and sweep ranges are generated from the schema, half of them fitting it, and
 good files are damaged byte by byte. Each is refused in sentences that name a key, or gives a case whose wing, motion
 and step are finite. Damaged result files and maps go through the readers in a process of their own, with little
-memory and little time: each is read, or refused in a sentence.
+memory and little time: each is read, or refused in a sentence. So do files whose case names other files and modules:
+none of those may be opened or imported.
 """
 
 import collections
@@ -20,6 +21,7 @@ import traceback
 import warnings
 from pathlib import Path
 
+import h5py
 import numpy as np
 import tomli_w
 import xarray  # noqa: F401 - so that no child imports it again
@@ -36,6 +38,7 @@ from taichiflap.export.vtkhdf import write_vtkhdf
 from taichiflap.maps import file as maps
 from taichiflap.maps.design import DesignError, design, read_vary
 from taichiflap.motion import sampling
+from taichiflap.results import hdf
 from taichiflap.run import warnings as plausible
 from taichiflap.structure import beam
 from taichiflap.studies.sweep import sweep
@@ -250,7 +253,20 @@ def read(path, out):
         result.to_xarray()
 
 
-def try_file(path, out):
+def forbid(lures):
+    """From now on, whatever opens, lists, starts or imports one of these ends this process."""
+
+    def watch(event, arguments):
+        if event in ("open", "import", "os.listdir", "subprocess.Popen") and any(
+            lure in str(arguments[0]) for lure in lures
+        ):
+            os.write(2, f"{event} {arguments[0]}\n".encode())
+            os._exit(99)
+
+    sys.addaudithook(watch)
+
+
+def try_file(path, out, lures=()):
     """Read a file in a child with little memory and time: 'accepted', 'refused', or what went wrong."""
     receiving, sending = os.pipe()
     child = os.fork()
@@ -261,6 +277,8 @@ def try_file(path, out):
             signal.alarm(SECONDS)
             taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
             resource.setrlimit(resource.RLIMIT_AS, (taken + MEMORY, taken + MEMORY))
+            if lures:
+                forbid(lures)
             read(path, out)
             code = 0
         except UserError as error:
@@ -299,6 +317,42 @@ def try_files(count, rng, folder):
     return found
 
 
+LURES = ("lure_pipe", "lure_table", "lure_module", "/dev/zero", "/etc/passwd")
+
+
+def stranger(made, rng, folder):
+    """The text of a case that names other files and modules wherever a case can."""
+    place = rng.choice([str(folder / "lure_pipe"), str(folder / "lure_table.csv"), "/dev/zero", "/etc/passwd"])
+    table = {"kind": rng.choice(["table", "measured"]), "periodic": True, "file": place}
+    what = rng.randrange(4)
+    if what == 0 or not isinstance(made.get("motion"), dict):
+        made["motion"] = table
+    elif what < 3:
+        made["motion"][rng.choice(["plunge", "pitch", "surge"])] = table
+    if what > 1:
+        made["solver"] = rng.choice(["module:lure_module", f"module:{folder}/lure_module.py"])
+    return tomli_w.dumps(made)
+
+
+def try_strangers(count, rng, folder):
+    """What became of so many files whose case names other files and modules, counted."""
+    found = collections.Counter()
+    good = good_files(folder)
+    os.mkfifo(folder / "lure_pipe")
+    (folder / "lure_table.csv").write_text("0, 0\n0.5, 0.01\n1, 0\n")
+    (folder / "lure_module.py").write_text("raise SystemExit('imported')\n")
+    sys.path.insert(0, str(folder))
+    path = folder / "stranger.h5"
+    for _ in range(count):
+        path.write_bytes(rng.choice(good))
+        with h5py.File(path, "r+") as file:
+            own = tomllib.loads(file.attrs["case"].decode())
+            hdf.note(file, {"case": stranger(own if rng.random() < 0.7 else document(rng), rng, folder)})
+        found[try_file(path, folder, LURES)] += 1
+    sys.path.remove(str(folder))
+    return found
+
+
 def try_input(count, rng, folder):
     """What became of so many case files, tables and designs, counted by kind; stops at the first that fails."""
     found = collections.Counter()
@@ -310,17 +364,21 @@ def try_input(count, rng, folder):
 
 
 def main(count, seed):
-    """Print what became of `count` inputs, and of a tenth as many files."""
+    """Print what became of `count` inputs, of a tenth as many damaged files, and of as many files from strangers."""
     rng = random.Random(seed)
     began = time.monotonic()
-    with tempfile.TemporaryDirectory() as folder:
-        for name, found in (
-            ("input", try_input(count, rng, Path(folder))),
-            ("files", try_files(count // 10, rng, Path(folder))),
-        ):
-            print(f"{name}: {', '.join(f'{what} {n}' for what, n in sorted(found.items()))}", flush=True)
+    failed = False
+    for name, kind, tried in (
+        ("input", try_input, count),
+        ("damaged files", try_files, count // 10),
+        ("files from strangers", try_strangers, count // 10),
+    ):
+        with tempfile.TemporaryDirectory() as folder:
+            found = kind(tried, rng, Path(folder))
+        print(f"{name}: {', '.join(f'{what} {n}' for what, n in sorted(found.items()))}", flush=True)
+        failed |= any(what.startswith("code") for what in found)
     print(f"seed {seed}, {time.monotonic() - began:.0f} s")
-    return any(what.startswith("code") for what in found)
+    return failed
 
 
 if __name__ == "__main__":
