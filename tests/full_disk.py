@@ -111,6 +111,10 @@ COMMANDS = {
 """Every command that writes, but for `validate` and `reproduce`, whose pages take minutes."""
 
 
+OTHERS = (".state", ".csv", ".json", ".md", ".html", ".gif", ".png", ".svg", ".toml")
+"""What commands write besides HDF5."""
+
+
 def compiler():
     """A C compiler, if there is one."""
     return shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
@@ -172,7 +176,7 @@ def look(folder):
         elif path.suffix == ".vtkhdf":
             h5py.File(path, "r").close()
         else:
-            assert path.name.endswith((".state", ".csv", ".json", ".md", ".html", ".gif", ".png", ".svg", ".toml")), path.name
+            assert path.suffix in OTHERS, path.name
             assert path.stat().st_size > 0, f"{path.name} is empty"
 
 
