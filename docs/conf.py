@@ -14,10 +14,14 @@ from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
 from taichiflap import __version__
+from taichiflap.case.case import case_schema
 from taichiflap.case.template import commented_case
 from taichiflap.results.variables import AXES, MODE_VARIABLES, VARIABLES, WAKE_COUNT, WAKE_VARIABLES, Variable
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+from case_tables import case_tables  # noqa: E402
+
 GENERATED = HERE / "generated"
 COMMANDS = (
     "", "simulate", "sweep", "converge", "optimise", "score", "strips", "init", "preview", "view", "explore", "info",
@@ -51,6 +55,7 @@ def write_generated() -> None:
     """Parts of pages that the program itself says: its case file, its variables, its commands."""
     GENERATED.mkdir(exist_ok=True)
     write("case.toml", commented_case())
+    write("case.md", case_tables(case_schema()))
     write("variables.md", table(VARIABLES))
     write("axes.md", table(AXES))
     write("modes.md", table(MODE_VARIABLES))

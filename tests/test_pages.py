@@ -1,6 +1,7 @@
 """What the README and the documentation tell people to type: it works, and prints what they say."""
 
 import re
+import runpy
 import shlex
 import shutil
 import signal
@@ -15,13 +16,14 @@ from conftest import CASES, hawkmoth
 
 import taichiflap
 from taichiflap import cli
-from taichiflap.case.case import parse_case
+from taichiflap.case.case import case_schema, parse_case
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parent.parent
 TUTORIAL = ROOT / "docs" / "tutorial.md"
 CAMERA = ROOT / "docs" / "howto" / "measured.md"
+CASE_TABLES = runpy.run_path(str(ROOT / "docs" / "case_tables.py"))["case_tables"]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
@@ -161,3 +163,16 @@ def test_the_cases_of_the_pages_are_cases(page, folder, monkeypatch):
             fmt="%.9f",
         )
         parse_case(whole | tomllib.loads(block), folder=folder)
+
+
+def test_every_key_of_a_case_has_one_anchor_in_its_reference():
+    anchors = re.findall(r'<span id="([^"]+)">', CASE_TABLES(case_schema()))
+    assert len(anchors) == len(set(anchors))
+    kinds = ("triangle", "trapezoid", "ramp", "table")
+    keys = {anchor.removesuffix(f".{kind}") for anchor in anchors for kind in kinds}
+    sections, wanted = case_schema()["$defs"], set()
+    for name, section in case_schema()["properties"].items():
+        reference = section.get("$ref", "").rpartition("/")[2]
+        wanted |= {f"{name}.{key}" for key in sections[reference]["properties"]} if reference else {name}
+    assert wanted - {"motion.plunge", "motion.pitch", "motion.surge", "motion.measured"} <= keys
+    assert {"motion.plunge.amplitude", "motion.pitch.points_deg", "motion.measured.stroke"} <= keys
