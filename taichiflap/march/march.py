@@ -68,12 +68,13 @@ def differencing(n, dt):
 
 
 @ti.func
-def predict(body: View, b, n, rule):
+def predict(body: View, b, n, rule, known: View):
     """What the next amplitudes and rates are without acceleration, and what they will be to second order."""
     dt = body.dt[b]
-    for k in range(body.modes[b]):
+    modes = bodies.modes_of(body, b, known)
+    for k in range(modes):
         body.load[b, k] = 0.0
-        for j in range(body.modes[b]):
+        for j in range(modes):
             body.response[b, j, k] = 0.0
         if n == 0:
             for row in range(2):
@@ -91,9 +92,9 @@ def predict(body: View, b, n, rule):
 
 
 @ti.func
-def accelerate(body: View, b, n, rule):
+def accelerate(body: View, b, n, rule, known: View):
     """Solve the modal equation (Eq. 11, with the modal force of Eqs 14-16) and update amplitudes and rates."""
-    modes = body.modes[b]
+    modes = bodies.modes_of(body, b, known)
     beta = rule[BETA]
     heave = bodies.pivot_heave(body, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
@@ -101,7 +102,7 @@ def accelerate(body: View, b, n, rule):
     for j in range(modes):
         stiffness = body.constant[b, STIFFNESS, j] - theta_rate * theta_rate
         damping = body.constant[b, DAMPING, j]
-        known = body.q_free[b, RATE, j]
+        rate_known = body.q_free[b, RATE, j]
         for k in range(modes):
             body.system[b, j, k] = -body.response[b, j, k]
         body.system[b, j, j] = body.system[b, j, j] + 1.0 + beta * (damping + beta * stiffness)
@@ -109,8 +110,8 @@ def accelerate(body: View, b, n, rule):
             body.load[b, j]
             - body.constant[b, LAMBDA, j] * heave
             - body.constant[b, PSI, j] * theta_accel
-            - damping * known
-            - stiffness * (body.q_free[b, AMPLITUDE, j] + beta * known)
+            - damping * rate_known
+            - stiffness * (body.q_free[b, AMPLITUDE, j] + beta * rate_known)
         )
     linear.solve_few(body.system, b, modes)
     for k in range(modes):
@@ -122,11 +123,11 @@ def accelerate(body: View, b, n, rule):
 
 
 @ti.func
-def has_diverged(body: View, b):
+def has_diverged(body: View, b, known: View):
     """Whether a value is no longer finite, or a mode larger than any beam bends."""
     total = 0.0
     runaway = False
-    for k in range(body.modes[b]):
+    for k in range(bodies.modes_of(body, b, known)):
         total += body.q[b, ACCEL, k]
         runaway = runaway or ti.abs(body.q[b, AMPLITUDE, k]) > body.constant[b, RUNAWAY, k]
     for c in range(4):
@@ -135,8 +136,8 @@ def has_diverged(body: View, b):
 
 
 @ti.func
-def track_step(body: View, track: View, b, row):
-    modes = body.modes[b]
+def track_step(body: View, track: View, b, row, known: View):
+    modes = bodies.modes_of(body, b, known)
     for j in range(modes):
         force = body.load[b, j]
         for k in range(modes):
@@ -156,20 +157,21 @@ _launched: set[Any] = set()
 """Those of them that have been compiled."""
 
 
-def kernel(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
+def kernel(flow: Any, outputs: tuple[Any, ...] | None, known: int) -> Any:
     """The kernel that marches a batch with a fluid model, many steps of many cases in one launch, and its argpack.
 
     Args:
         flow: the batch, a `taichiflap.fluids.interface.Flow`.
         outputs: of the model, if they are to be stored.
+        known: see `state.common_modes`.
     """
-    key = flow.kernel_key, outputs
+    key = flow.kernel_key, outputs, known
     if key not in _kernels:
-        _kernels[key] = _build(flow, outputs)
+        _kernels[key] = _build(flow, outputs, known)
     return _kernels[key]
 
 
-def _build(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
+def _build(flow: Any, outputs: tuple[Any, ...] | None, known: int) -> Any:
     output = {} if outputs is None else {"output": output_type(outputs)}
     Batch = ti.types.argpack(body=Body, track=Track, **output, **flow.types)
     needs = () if flow.uses is None else (flow.uses,)
@@ -183,13 +185,13 @@ def _build(flow: Any, outputs: tuple[Any, ...] | None) -> Any:
         for n in range(first, ti.min(last, steps + 1)):
             if batch.body.failed[b] < 0:
                 rule = differencing(n, batch.body.dt[b])
-                predict(batch.body, b, n, rule)
+                predict(batch.body, b, n, rule, known)
                 prepare(batch, b, n, rule, *needs)
-                accelerate(batch.body, b, n, rule)
+                accelerate(batch.body, b, n, rule, known)
                 settle(batch, b, n, rule, *needs)
-                if has_diverged(batch.body, b):
+                if has_diverged(batch.body, b, known):
                     batch.body.failed[b] = n
-                track_step(batch.body, batch.track, b, n - opening)
+                track_step(batch.body, batch.track, b, n - opening, known)
                 if ti.static(storing and counting):
                     record_step(batch, b, n - opening)
                 if ti.static(storing):
@@ -364,7 +366,8 @@ class March:
             sizes = [self.fluid.sizes(case) for case in self.cases]
             self._outputs = Outputs(self.fluid.outputs, sizes, steps, frames)
             output = {"output": self._outputs.pack}
-        group, self._kernel = kernel(self.flow, self.fluid.outputs if self._stores else None)
+        outputs, known = self.fluid.outputs if self._stores else None, bodies.common_modes(self.sections)
+        group, self._kernel = kernel(self.flow, outputs, known)
         self._batch = group(track=self._track, **output, **self.groups)
 
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:

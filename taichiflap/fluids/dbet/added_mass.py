@@ -15,7 +15,7 @@ import numpy as np
 
 from ...case.case import Case
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import AMPLITUDE, BETA, C0, C1, C2, RATE, pivot_advance, pivot_heave, pivot_velocity
+from ...march.state import AMPLITUDE, BETA, C0, C1, C2, RATE, modes_of, pivot_advance, pivot_heave, pivot_velocity
 from ...march.stream import KIND
 from ...motion.sampling import PITCH_ACCEL, PITCH_RATE
 from . import elements
@@ -52,9 +52,9 @@ def table(case: Case) -> np.ndarray:
 
 
 @ti.func
-def flux_rates(body: View, flow: View, b, n, rule, extended: View):
+def flux_rates(body: View, flow: View, b, n, rule, used: View):
     """Sine coefficients of the rate of the flux `u_z - s u_y` at fixed points of the wing, and for every mode."""
-    modes = body.modes[b]
+    modes = modes_of(body, b, used.modes)
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     theta_accel = body.motion[b, n, PITCH_ACCEL]
@@ -62,7 +62,7 @@ def flux_rates(body: View, flow: View, b, n, rule, extended: View):
     accel_z = pivot_heave(body, b, n) - theta_rate * p_y
     for block in range((flow.elements[b] + 7) // 8):
         rate = accel_z + flow.element[b, POSITION, block] * theta_accel
-        if ti.static(extended):
+        if ti.static(used.extended):
             if flow.option[b, DEFORMED] == 1:
                 w = superpose_octet(flow.shape, body.q_predicted, b, AMPLITUDE, block, modes)
                 lean_rate = superpose_octet(flow.shape_slope, body.q_free, b, RATE, block, modes)
@@ -77,7 +77,7 @@ def flux_rates(body: View, flow: View, b, n, rule, extended: View):
     for k in range(modes):
         for m in range(TERMS):
             flow.sine[b, k + 1, m] = flow.shape_sine[b, k, m]
-        if ti.static(extended):
+        if ti.static(used.extended):
             if flow.option[b, DEFORMED] == 1:
                 for block in range((flow.elements[b] + 7) // 8):
                     u_y = flow.element[b, WING_Y, block]

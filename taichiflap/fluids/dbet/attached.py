@@ -18,7 +18,7 @@ import numpy as np
 
 from ...case.case import Case
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import BETA, RATE
+from ...march.state import BETA, RATE, modes_of
 from ...vortex.sum import TINY
 from . import added_mass, elements
 from .added_mass import TERMS
@@ -93,17 +93,18 @@ def remember(flow: View, b, wash):
 
 
 @ti.func
-def lift(body: View, flow: View, b, rule):
+def lift(body: View, flow: View, b, rule, used: View):
     """Cosine coefficients of v without modal acceleration (column 0) and for a unit acceleration of every mode.
 
     The zeroth holds the deficiency too: it then is the velocity around the leading edge.
     """
     kept, remembered = lag(flow, b)
-    for column in range(body.modes[b] + 1):
+    modes = modes_of(body, b, used.modes)
+    for column in range(modes + 1):
         for block in range((flow.elements[b] + 7) // 8):
             velocity = flow.element[b, U_N, block]
             if column == 0:
-                known = superpose_octet(flow.shape, body.q_free, b, RATE, block, body.modes[b])
+                known = superpose_octet(flow.shape, body.q_free, b, RATE, block, modes)
                 velocity += flow.element[b, STRETCH, block] * (known - flow.element[b, W_RATE, block])
             else:
                 velocity = rule[BETA] * flow.element[b, STRETCH, block] * flow.shape[b, column - 1, block]

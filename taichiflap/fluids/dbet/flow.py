@@ -12,6 +12,7 @@ the expected ones.
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from ...case.case import Case
 from ...kernels import linear
 from ...kernels.arrays import array, octet_array, zeros
 from ...kernels.runtime import Floats2, Floats3, Ints1, Ints2, Octets3, View, ti
-from ...march.state import most_modes
+from ...march.state import common_modes, most_modes
 from ...march.stream import streams
 from ...motion.sampling import PITCH_RATE
 from ...structure.beam import Modes
@@ -70,6 +71,18 @@ Blades = ti.types.argpack(
 )
 
 
+class Uses(NamedTuple):
+    """What a batch needs of the model; its kernel holds nothing else.
+
+    Attributes:
+        extended: whether some case needs more than the paper's model, see `extends`.
+        modes: see `taichiflap.march.state.common_modes`.
+    """
+
+    extended: bool
+    modes: int
+
+
 def extends(case: Case) -> bool:
     """Whether a case needs more than the paper's model; a kernel of which no case does holds that alone."""
     dbet = case.dbet
@@ -113,7 +126,8 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         work=zeros(ti.f64, count, 1, COEFFICIENTS),
         lag=zeros(ti.f64, count, 7),
     )
-    return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record, uses=any(map(extends, cases)))
+    used = Uses(any(map(extends, cases)), common_modes(sections))
+    return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record, uses=used)
 
 
 def _options(case: Case) -> list[int]:
@@ -145,11 +159,11 @@ def _settings(case: Case) -> list[float]:
 
 
 @ti.func
-def blend(body: View, flow: View, b, n, mean_n, mean_t, extended: View):
+def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
     """Give attached flow its share, and separated flow the force of rotation."""
     speed = ti.sqrt(mean_n * mean_n + mean_t * mean_t)
     share = 1.0
-    if ti.static(extended):
+    if ti.static(used.extended):
         if flow.option[b, ATTACHED] == 1:
             share = attached.separate(flow, b, mean_n, mean_t)
             flow.lag[b, SEPARATED] = share
@@ -161,7 +175,7 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, extended: View):
     for block in range((flow.elements[b] + 7) // 8):
         flow.element[b, TRACTION, block] = share * (flow.element[b, TRACTION, block] + turning)
         flow.element[b, SLOPE, block] = share * flow.element[b, SLOPE, block]
-        if ti.static(extended):
+        if ti.static(used.extended):
             u_t = flow.element[b, U_T, block]
             along = ti.sqrt(u_t * u_t)
             friction = flow.setting[b, FRICTION] * ti.sqrt(along) * u_t
@@ -172,24 +186,24 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, extended: View):
 
 
 @ti.func
-def prepare(batch: View, b, n, rule, extended: View):
+def prepare(batch: View, b, n, rule, used: View):
     """Modal force of the coming step `n`."""
-    mean_n, mean_t = separated.linearise(batch.body, batch.flow, b, n, extended)
-    if ti.static(extended):
-        blend(batch.body, batch.flow, b, n, mean_n, mean_t, extended)
-    if ti.static(extended):
+    mean_n, mean_t = separated.linearise(batch.body, batch.flow, b, n, used)
+    if ti.static(used.extended):
+        blend(batch.body, batch.flow, b, n, mean_n, mean_t, used)
+    if ti.static(used.extended):
         if batch.flow.option[b, POTENTIAL] == 1:
-            added_mass.flux_rates(batch.body, batch.flow, b, n, rule, extended)
-    if ti.static(extended):
+            added_mass.flux_rates(batch.body, batch.flow, b, n, rule, used)
+    if ti.static(used.extended):
         if batch.flow.option[b, ATTACHED] == 1:
-            attached.lift(batch.body, batch.flow, b, rule)
-    loads.load_modes(batch.body, batch.flow, b, rule, extended)
+            attached.lift(batch.body, batch.flow, b, rule, used)
+    loads.load_modes(batch.body, batch.flow, b, rule, used)
 
 
 @ti.func
-def settle(batch: View, b, n, rule, extended: View):
+def settle(batch: View, b, n, rule, used: View):
     """Forces of step `n` once its modal acceleration is known."""
-    loads.sum_forces(batch.body, batch.flow, b, n, extended)
+    loads.sum_forces(batch.body, batch.flow, b, n, used)
 
 
 @ti.func

@@ -10,6 +10,7 @@ from ...march.state import (
     NORMAL,
     RATE,
     UNSTEADY,
+    modes_of,
     pivot_velocity,
 )
 from ...vortex.sum import TINY
@@ -45,13 +46,13 @@ from .separated import axial_force, kept_share
 
 
 @ti.func
-def load_modes(body: View, flow: View, b, rule, extended: View):
+def load_modes(body: View, flow: View, b, rule, used: View):
     """Modal force and its response to the modal acceleration.
 
     The forces of separated flow enter with their slope (never negative with the full speed: blades damp); added mass
     and attached flow are linear and go whole into the response.
     """
-    modes = body.modes[b]
+    modes = modes_of(body, b, used.modes)
     for j in range(modes):
         load = Octet(0.0)
         for block in range((flow.elements[b] + 7) // 8):
@@ -59,7 +60,7 @@ def load_modes(body: View, flow: View, b, rule, extended: View):
             ahead = known_rate - flow.element[b, W_RATE, block]
             traction = flow.element[b, TRACTION, block] + flow.element[b, SLOPE, block] * ahead
             traction += flow.setting[b, STRIP] * flow.element[b, FLUX_RATE, block]
-            if ti.static(extended):
+            if ti.static(used.extended):
                 traction += flow.element[b, LEAN, block] * flow.element[b, SHEARING, block]
             load = load - flow.shape[b, j, block] * flow.element[b, AREA, block] * traction
         body.load[b, j] = load.sum()
@@ -70,61 +71,62 @@ def load_modes(body: View, flow: View, b, rule, extended: View):
                 weight = flow.shape[b, j, block] * flow.element[b, AREA, block]
                 response = response - weight * inertia * flow.shape[b, k, block]
             body.response[b, j, k] = response.sum()
-        if ti.static(extended):
+        if ti.static(used.extended):
             if flow.option[b, POTENTIAL] == 1:
                 for m in range(TERMS):
                     share = 2.0 * flow.setting[b, HALF_DENSITY] * flow.shape_sine[b, j, m]
-                    add_column(body, flow.sine, b, j, m, share)
-        if ti.static(extended):
+                    add_column(body, flow.sine, b, j, m, share, modes)
+        if ti.static(used.extended):
             if flow.option[b, ATTACHED] == 1 and flow.lag[b, SEPARATED] < 1.0:
                 for block in range((flow.elements[b] + 7) // 8):
                     weight = flow.shape[b, j, block] * flow.element[b, AREA, block]
                     flow.element[b, SCRATCH, block] = weight * flow.element[b, LIFTED, block]
                 transform(flow, flow.loads, b, flow.work, 0, COEFFICIENTS - 1)
                 for m in range(COEFFICIENTS - 1):
-                    add_column(body, flow.cosine, b, j, m, flow.work[b, 0, m])
+                    add_column(body, flow.cosine, b, j, m, flow.work[b, 0, m], modes)
 
 
 @ti.func
-def add_column(body: View, coefficient: View, b, j, m, share):
+def add_column(body: View, coefficient: View, b, j, m, share, modes):
     """Take a coefficient, known and by mode, times the share of mode `j` in it from the modal force."""
     body.load[b, j] = body.load[b, j] - share * coefficient[b, 0, m]
-    for k in range(body.modes[b]):
+    for k in range(modes):
         body.response[b, j, k] = body.response[b, j, k] - share * coefficient[b, k + 1, m]
 
 
 @ti.func
-def settle_coefficients(body: View, coefficient: View, b, terms):
+def settle_coefficients(body: View, coefficient: View, b, terms, modes):
     """Put into column 0 the coefficients at the acceleration that the step has come to."""
     for m in range(terms):
-        for k in range(body.modes[b]):
+        for k in range(modes):
             coefficient[b, 0, m] = coefficient[b, 0, m] + coefficient[b, k + 1, m] * body.q[b, ACCEL, k]
 
 
 @ti.func
-def settle_flow(body: View, flow: View, b, extended: View):
+def settle_flow(body: View, flow: View, b, used: View):
     """Take the coefficients, and the lag, to the acceleration that the step has come to.
 
     Returns whether some flow is attached.
     """
     lifting = 0
-    if ti.static(extended):
+    modes = modes_of(body, b, used.modes)
+    if ti.static(used.extended):
         if flow.option[b, POTENTIAL] == 1:
-            settle_coefficients(body, flow.sine, b, TERMS)
-    if ti.static(extended):
+            settle_coefficients(body, flow.sine, b, TERMS, modes)
+    if ti.static(used.extended):
         if flow.option[b, ATTACHED] == 1:
-            settle_coefficients(body, flow.cosine, b, COEFFICIENTS)
+            settle_coefficients(body, flow.cosine, b, COEFFICIENTS, modes)
             attached.remember(flow, b, flow.cosine[b, 0, COEFFICIENTS - 1])
             lifting = int(flow.lag[b, SEPARATED] < 1.0)
     return lifting
 
 
 @ti.func
-def sum_forces(body: View, flow: View, b, n, extended: View):
+def sum_forces(body: View, flow: View, b, n, used: View):
     """Forces with the modal rates and accelerations that the step has come to."""
-    modes = body.modes[b]
+    modes = modes_of(body, b, used.modes)
     p_y, _ = pivot_velocity(body, flow.stream, b, n)
-    lifting = settle_flow(body, flow, b, extended)
+    lifting = settle_flow(body, flow, b, used)
     total_normal = Octet(0.0)
     total_axial = Octet(0.0)
     total_moment = Octet(0.0)
@@ -143,14 +145,14 @@ def sum_forces(body: View, flow: View, b, n, extended: View):
         ahead = w_rate - flow.element[b, W_RATE, block]
         unsteady = -flow.setting[b, STRIP] * (flow.element[b, FLUX_RATE, block] + w_accel)
         blades = flow.element[b, TRACTION, block] + flow.element[b, SLOPE, block] * ahead
-        if ti.static(extended):
+        if ti.static(used.extended):
             if flow.option[b, POTENTIAL] == 1:
                 unsteady = added_mass.force(flow, b, block) / (-1.0 * (area + TINY))
-        if ti.static(extended):
+        if ti.static(used.extended):
             if lifting == 1:
                 blades += flow.element[b, LIFTED, block] * attached.operate(flow, b, block)
         normal = unsteady - blades
-        if ti.static(extended):
+        if ti.static(used.extended):
             if flow.option[b, DEFORMED] + flow.option[b, ATTACHED] > 0:
                 lean = flow.element[b, LEAN, block]
                 shearing = flow.element[b, SHEARING, block]
@@ -166,7 +168,7 @@ def sum_forces(body: View, flow: View, b, n, extended: View):
     body.force[b, AXIAL] = total_axial.sum()
     body.force[b, MOMENT] = total_moment.sum()
     body.force[b, UNSTEADY] = total_unsteady.sum()
-    if ti.static(extended):
+    if ti.static(used.extended):
         if lifting == 1:  # the clamped nose does not tilt: along e_y, through the pivot's axis
             around = flow.cosine[b, 0, 0]
             suction = (1.0 - flow.lag[b, SEPARATED]) * flow.setting[b, SUCTION] * around * around

@@ -11,7 +11,7 @@ frame those of the bent wing, of slope `s = sum_k phi'_k q_k`.
 """
 
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import AMPLITUDE, COSINE, RATE, SINE, pivot_heave, pivot_velocity
+from ...march.state import AMPLITUDE, COSINE, RATE, SINE, modes_of, pivot_heave, pivot_velocity
 from ...march.stream import KIND, carry_gust, gust_at_octet
 from ...motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import TINY
@@ -108,20 +108,20 @@ def gust_past(body: View, flow: View, b, n, block, w):
 
 
 @ti.func
-def lean(body: View, flow: View, b, block):
+def lean(body: View, flow: View, b, block, modes):
     """Slope of the bent wing at eight elements, and what its tangent is stretched by."""
-    slope = superpose_octet(flow.shape_slope, body.q_predicted, b, AMPLITUDE, block, body.modes[b])
+    slope = superpose_octet(flow.shape_slope, body.q_predicted, b, AMPLITUDE, block, modes)
     flow.element[b, LEAN, block] = slope
     flow.element[b, STRETCH, block] = 1.0 / ti.sqrt(1.0 + slope * slope)
 
 
 @ti.func
-def linearise(body: View, flow: View, b, n, extended: View):
+def linearise(body: View, flow: View, b, n, used: View):
     """Motion of the elements, and the forces of separated flow on them, about the expected rates (Eqs 6-7, 17-27).
 
     Returns the means over the chord of u_n and u_t.
     """
-    modes = body.modes[b]
+    modes = modes_of(body, b, used.modes)
     heave = pivot_heave(body, b, n)
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
@@ -135,10 +135,10 @@ def linearise(body: View, flow: View, b, n, extended: View):
         w_rate = superpose_octet(flow.shape, body.q_predicted, b, RATE, block, modes)
         r_z = p_z + y * theta_rate
         e_y = w * -theta_rate
-        if ti.static(extended):
+        if ti.static(used.extended):
             flow.element[b, WING_Y, block] = p_y + e_y
             if flow.option[b, DEFORMED] == 1:
-                lean(body, flow, b, block)
+                lean(body, flow, b, block, modes)
             if flow.stream[b, KIND] > 0.0:
                 g_y, g_z = gust_past(body, flow, b, n, block, w)
                 r_z = r_z - g_z
@@ -146,13 +146,13 @@ def linearise(body: View, flow: View, b, n, extended: View):
         u_y = p_y + e_y
         u_z = r_z + w_rate
         u_t, u_n = u_y, u_z
-        if ti.static(extended):
+        if ti.static(used.extended):
             if flow.option[b, DEFORMED] == 1:
                 u_t = (u_y + flow.element[b, LEAN, block] * u_z) * flow.element[b, STRETCH, block]
                 u_n = (u_z - flow.element[b, LEAN, block] * u_y) * flow.element[b, STRETCH, block]
         traction = normal_force(flow, b, u_t, u_n)
         slope = normal_slope(flow, b, u_t, u_n)
-        if ti.static(extended):
+        if ti.static(used.extended):
             flow.element[b, SHEARING, block] = axial_force(flow, b, u_t, u_n)
             if flow.option[b, DEFORMED] == 1:
                 turned = slope + flow.element[b, LEAN, block] * normal_slope_along(flow, b, u_t, u_n)
