@@ -88,13 +88,13 @@ def test_the_operator_of_attached_flow():
     count = 200
     case = hawkmoth("solver=dbet", f"dbet.elements={count}")
     x = (np.arange(count) + 0.5) / count
-    operate = attached.loads(case).T @ attached.cosines(case)[:-1]
+    operate = attached.loads(case.dbet.elements).T @ attached.cosines(case.dbet.elements)[:-1]
     flat = operate @ np.ones(count)
     assert flat.mean() == pytest.approx(1.0, rel=1e-12)
     assert (flat * x).mean() == pytest.approx(0.25, abs=1e-4)
     assert (operate @ x).mean() == pytest.approx(0.75, abs=1e-4)
     assert (operate @ x**2).mean() == pytest.approx(0.625, abs=2e-4)
-    assert attached.cosines(case)[-1] @ x == pytest.approx(0.75, abs=1e-4)
+    assert attached.cosines(case.dbet.elements)[-1] @ x == pytest.approx(0.75, abs=1e-4)
 
 
 def test_the_lag_is_wagners():

@@ -67,7 +67,9 @@ def positions(shape: Array, nodes: Array, motion: Array, q: Array) -> NDArray[np
 def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Array]:
     """The variables that have one value a step; arguments as of `derive`."""
     state = frames["q"]
-    moved = np.ascontiguousarray(motion[frames["step"]].T)
+    steps = frames["step"]
+    # The steps of a block follow each other.
+    moved = np.ascontiguousarray(motion[steps[0] : steps[-1] + 1].T if len(steps) else motion[:0].T)
     cosine, sine = moved[COSINE], moved[SINE]
     force = np.ascontiguousarray(frames["force"].T)
     normal, axial, moment = force[NORMAL], force[AXIAL], force[MOMENT]

@@ -232,8 +232,9 @@ class March:
         self.cases = list(cases)
         self.fluid = fluid
         self.sections = [beam.modes(case.wing) for case in self.cases]
-        self.motion = bodies.sample_motions(self.cases)
-        self.body = bodies.allocate(self.cases, self.sections, self.motion)
+        motions = bodies.sample_motions(self.cases)
+        self.motion = view(motions)
+        self.body = bodies.allocate(self.cases, self.sections, motions)
         self.flow = fluid.flow(self.cases, self.sections, self.body, threads)
         self.groups = {"body": self.body, **self.flow.groups}
         self.steps = max(case.steps for case in self.cases)

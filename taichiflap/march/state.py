@@ -11,7 +11,7 @@ import numpy as np
 
 from ..case.case import Case
 from ..kernels.arrays import array, zeros
-from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Ints2, View, ti
+from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Ints2, View, ti, view
 from ..motion import sampling
 from ..motion.sampling import PITCH, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
 from ..structure import beam
@@ -57,24 +57,25 @@ GIVEN = ("motion",)
 """What the case alone determines, at every step: no part of a march's state."""
 
 
-def sample_motions(cases: Sequence[Case]) -> np.ndarray:
-    """The motion of every case at all its steps, shape (cases, steps + 1, COLUMNS): see `COSINE`."""
-    sampled = np.zeros((len(cases), max(case.steps for case in cases) + 1, COLUMNS))
-    known: dict[Any, np.ndarray] = {}
-    for row, case in zip(sampled, cases, strict=True):
-        moving, moves = row[: case.steps + 1], case.motion
+def sample_motions(cases: Sequence[Case]) -> Any:
+    """The motion of every case at all its steps, an array of Taichi of shape (cases, steps + 1, COLUMNS): see `COSINE`.
+
+    It is at rest after a case's last step.
+    """
+    longest = max(case.steps for case in cases) + 1
+    made = ti.ndarray(ti.f64, (len(cases), longest, COLUMNS))
+    for moving, case in zip(view(made), cases, strict=True):
+        moves, count = case.motion, case.steps + 1
+        how = moves.frequency, moves.growth, case.step, count
         for axis, first in ((moves.plunge, PLUNGE), (moves.pitch, PITCH), (moves.surge, SURGE)):
-            how = axis, moves.frequency, moves.growth, case.steps, case.step
-            if how not in known:  # the cases of a study often have one of them in common
-                times = case.step * np.arange(case.steps + 1, dtype=np.float64)
-                known[how] = sampling.sample_axis(axis, moves.frequency, moves.growth, times)
-            moving[:, first : first + 3] = known[how]
-        moving[:, COSINE], moving[:, SINE] = np.cos(moving[:, PITCH]), np.sin(moving[:, PITCH])
-    return sampled
+            moving[:count, first : first + 3] = sampling.axis_at_steps(axis, *how)
+        moving[:count, COSINE:] = sampling.turned_at_steps(moves.pitch, *how)
+        moving[count:] = 0.0
+    return made
 
 
-def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.ndarray) -> Any:
-    """Arrays of a batch, at rest."""
+def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: Any) -> Any:
+    """Arrays of a batch, at rest; `motions` as of `sample_motions`."""
     count = len(cases)
     most = most_modes(sections)
     constant = np.zeros((count, 5, most))
@@ -87,7 +88,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: np.
         plan=array([[case.steps, case.output.every] for case in cases]),
         failed=array([-1] * count),
         dt=array([case.step for case in cases], float),
-        motion=array(motions),
+        motion=motions,
         constant=array(constant),
         q=zeros(ti.f64, count, 5, most),
         q_free=zeros(ti.f64, count, 2, most),

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..case.case import Case
-from ..case.fluid import Fluid
 from ..case.motion import Motion
-from ..case.wing import Wing
 from ..motion.sampling import typical_speed
 from ..structure.chordwise import Profile
 
@@ -57,10 +55,11 @@ def reference(case: Case) -> Reference:
 
 def speed_of_middle(case: Case) -> float:
     """Root mean square of the speed (m/s) of the middle of the chord through the fluid, over the last beat."""
-    return _speed(case.motion, case.wing, case.fluid, case.duration, case.beat)
+    behind = (0.5 - case.wing.pivot) * case.wing.chord
+    return _speed(case.motion, behind, case.fluid.velocity, case.duration, case.beat)
 
 
 @functools.lru_cache(maxsize=256)
-def _speed(motion: Motion, wing: Wing, fluid: Fluid, duration: float, beat: float) -> float:
+def _speed(motion: Motion, behind: float, stream: tuple[float, float], duration: float, beat: float) -> float:
     times = max(0.0, duration - beat) + min(beat, duration) * (np.arange(MOMENTS) + 0.5) / MOMENTS
-    return typical_speed(motion, (0.5 - wing.pivot) * wing.chord, fluid.velocity, times)
+    return typical_speed(motion, behind, stream, times)

@@ -202,14 +202,15 @@ def _coefficients(case: Case, lift: Statistic, thrust: Statistic | None, power: 
 
 def _force_coefficient(result: Result, frames: slice) -> float | None:
     """See `Summary.force_coefficient_peak`."""
-    case, time = result.case, result.time[frames]
-    if "force_normal_unsteady" not in result.variables or len(time) < 2:
+    case = result.case
+    if "force_normal_unsteady" not in result.variables or frames.stop - frames.start < 2:
         return None
     chord = case.wing.chord
     behind = (0.5 - case.wing.pivot) * chord
-    square = sampling.typical_speed(case.motion, behind, case.fluid.velocity, time) ** 2
-    turning = np.gradient(result.pitch[frames], time)
-    bending = np.gradient(result.tip_deflection[frames], time)
+    square = _speed(case, behind, result.time, frames) ** 2
+    apart = (result.time[frames.stop - 1] - result.time[frames.start]) / (frames.stop - frames.start - 1)
+    turning = np.gradient(result.pitch[frames], apart)
+    bending = np.gradient(result.tip_deflection[frames], apart)
     square += float(np.mean(turning**2)) * chord**2 / 12.0 + float(np.mean(bending**2)) * FIRST_MODE
     scale = 0.5 * case.fluid.density * square * reference(case).area
     steady = result.force_normal[frames] - result.force_normal_unsteady[frames]
@@ -228,11 +229,23 @@ def _energy_residual(result: Result, frames: slice) -> float | None:
     return float(abs(np.trapezoid(net, time) - (energy[-1] - energy[0])) / gross) if gross else 0.0
 
 
+def _has_every_step(case: Case, time: Array) -> bool:
+    """Whether series have every step, as those of a run do; then what depends on the time alone is known already."""
+    return bool(time[-1] == case.step * (len(time) - 1))
+
+
+def _speed(case: Case, behind: float, time: Array, frames: slice) -> float:
+    """Root mean square speed (m/s) through the fluid of a point of the rigid chord over some frames."""
+    if not _has_every_step(case, time):
+        return sampling.typical_speed(case.motion, behind, case.fluid.velocity, time[frames])
+    return sampling.speed_at_steps(case.motion, behind, case.fluid.velocity, case.step, case.steps + 1, frames)
+
+
 def _wake_lost(result: Result, frames: slice) -> float:
     """Velocity that the wake left out, over the speed of the middle of the chord through the fluid."""
     case = result.case
     behind = (0.5 - case.wing.pivot) * case.wing.chord
-    speed = sampling.typical_speed(case.motion, behind, case.fluid.velocity, result.time[frames])
+    speed = _speed(case, behind, result.time, frames)
     lost = float(np.mean(result.wake_lost[frames]))
     return lost / speed if speed else 0.0
 
@@ -257,16 +270,31 @@ def harmonics(case: Case, time: Array, values: Array, count: int) -> NDArray[np.
     Returns:
         Shape (count, ...), as the other axes of `values`.
     """
-    angle = 2.0 * math.pi / case.beat * time
+    return _project(values, _turns(case.beat, time, count))
+
+
+def _turns(beat: float, time: Array, count: int) -> tuple[Array, Array]:
+    """Real and imaginary part of `exp(-2 pi i n f t)`, n = 1 ... count, each of shape (count, times)."""
+    angle = 2.0 * math.pi / beat * time
     turn = np.cos(angle) - 1j * np.sin(angle)
     powers = np.empty((count, len(time)), np.complex128)
     powers[0] = turn
     for n in range(1, count):
         np.multiply(powers[n - 1], turn, out=powers[n])
+    return powers.real.copy(), powers.imag.copy()
+
+
+@functools.lru_cache(maxsize=32)
+def _turns_at_steps(beat: float, step: float, first: int, last: int) -> tuple[Array, Array]:
+    """Those of the harmonics of a summary at some steps; the cases of a study have them in common."""
+    return _turns(beat, step * np.arange(first, last), ORDERS)
+
+
+def _project(values: Array, turns: tuple[Array, Array]) -> NDArray[np.complex128]:
     # Real and imaginary part apart: einsum's sums of real numbers are several times faster, and need no BLAS,
     # whose rounding goes by the number of its threads.
-    parts = (np.einsum("...t,nt->n...", values, part) for part in (powers.real.copy(), powers.imag.copy()))
-    return (next(parts) + 1j * next(parts)) * (2.0 / len(time))
+    real, imaginary = (np.einsum("...t,nt->n...", values, part) for part in turns)
+    return (real + 1j * imaginary) * (2.0 / values.shape[-1])
 
 
 def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
@@ -290,7 +318,11 @@ def after_reversal(case: Case, beats: float) -> float | None:
 
 
 def _waves(case: Case, time: Array, series: dict[str, Array], frames: slice) -> dict[str, list[complex]]:
-    found = harmonics(case, time[frames], np.stack([series[name][frames] for name in WAVING]), ORDERS)
+    if _has_every_step(case, time):
+        turns = _turns_at_steps(case.beat, case.step, frames.start, frames.stop)
+    else:
+        turns = _turns(case.beat, time[frames], ORDERS)
+    found = _project(np.stack([series[name][frames] for name in WAVING]), turns)
     return dict(zip(WAVING, found.T.tolist(), strict=True))
 
 

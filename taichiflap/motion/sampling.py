@@ -92,10 +92,53 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
         behind: distance of the trailing edge behind the pivot, m.
     """
     moved = sample(motion, times)
-    turning = behind * moved[:, PITCH_RATE]
-    along_y = moved[:, SURGE_RATE] - turning * np.sin(moved[:, PITCH]) - stream[0]
-    along_z = moved[:, PLUNGE_RATE] + turning * np.cos(moved[:, PITCH]) - stream[1]
+    turned = np.stack((np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])), axis=1)
+    return rms_speed(moved[:, PLUNGE_RATE], moved[:, PITCH_RATE], moved[:, SURGE_RATE], turned, behind, stream)
+
+
+def rms_speed(
+    plunge_rate: Array, pitch_rate: Array, surge_rate: Array, turned: Array, behind: float, stream: tuple[float, float]
+) -> float:
+    """What `typical_speed` gives, of rates that are sampled already and cosine and sine of the pitch, (times, 2)."""
+    turning = behind * pitch_rate
+    along_y = surge_rate - turning * turned[:, 1] - stream[0]
+    along_z = plunge_rate + turning * turned[:, 0] - stream[1]
     return math.sqrt(np.mean(along_y**2 + along_z**2))
+
+
+def speed_at_steps(
+    motion: Motion, behind: float, stream: tuple[float, float], step: float, count: int, steps: slice
+) -> float:
+    """What `typical_speed` gives over some of the steps of a march, which has sampled them before.
+
+    Args:
+        step, count: of the march, s.
+        steps: which of them.
+    """
+    how = motion.frequency, motion.growth, step, count
+    plunge, pitch, surge = (axis_at_steps(axis, *how) for axis in (motion.plunge, motion.pitch, motion.surge))
+    turned = turned_at_steps(motion.pitch, *how)
+    return rms_speed(plunge[steps, 1], pitch[steps, 1], surge[steps, 1], turned[steps], behind, stream)
+
+
+@functools.lru_cache(maxsize=256)
+def axis_at_steps(axis: Travel, frequency: float | None, growth: float, step: float, count: int) -> Array:
+    """Plunge, pitch or surge at the first steps of a march, `step` s apart, as `sample_axis` gives it; not to change.
+
+    The cases of a study often have one of them in common.
+    """
+    found = sample_axis(axis, frequency, growth, step * np.arange(count, dtype=np.float64))
+    found.setflags(write=False)
+    return found
+
+
+@functools.lru_cache(maxsize=256)
+def turned_at_steps(pitch: Travel, frequency: float | None, growth: float, step: float, count: int) -> Array:
+    """Cosine and sine of the pitch at the first steps of a march, shape (count, 2); not to change."""
+    angle = axis_at_steps(pitch, frequency, growth, step, count)[:, 0]
+    found = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    found.setflags(write=False)
+    return found
 
 
 def flow_to_chord(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> tuple[Array, Array]:

@@ -11,6 +11,8 @@ jump of potential turns with, it is exact at any amplitude; the paper's strips t
 25-27), which makes energy out of nothing when the wing pitches as it heaves.
 """
 
+import functools
+
 import numpy as np
 
 from ...case.case import Case
@@ -37,9 +39,10 @@ TERMS = 12
 """Terms of the series: five digits for four modes of a beam."""
 
 
-def sines(case: Case) -> np.ndarray:
-    """`2/pi int_e sin(theta) sin(m theta) dtheta` over every element, shape (TERMS, elements): exact integrals."""
-    angle, order = elements.angles(case), np.arange(1, TERMS + 1)[:, None]
+@functools.lru_cache(maxsize=16)
+def sines(count: int) -> np.ndarray:
+    """`2/pi int_e sin(theta) sin(m theta) dtheta` over each of so many elements, (TERMS, count): exact integrals."""
+    angle, order = elements.angles(count), np.arange(1, TERMS + 1)[:, None]
     below = np.sin((order - 1) * angle) / (2 * np.maximum(order - 1, 1))
     below[0] = angle / 2
     return 2.0 / np.pi * np.diff(below - np.sin((order + 1) * angle) / (2 * (order + 1)))
@@ -48,7 +51,7 @@ def sines(case: Case) -> np.ndarray:
 def table(case: Case) -> np.ndarray:
     """The sines weighted by `sqrt(pi b^2 h/m)`: kinetic energy of the fluid is `rho/2 sum_m (table_m . v)^2`."""
     order = np.arange(1, TERMS + 1)[:, None]
-    return sines(case) * np.sqrt(np.pi * (case.wing.chord / 2.0) ** 2 / order * elements.spans(case))
+    return sines(case.dbet.elements) * np.sqrt(np.pi * (case.wing.chord / 2.0) ** 2 / order * elements.spans(case))
 
 
 @ti.func

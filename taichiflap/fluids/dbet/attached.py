@@ -14,9 +14,10 @@ which is Wagner's function as a sum of four exponentials. The force per area alo
 g = K 1; the leading edge draws forward with `pi rho (v_0 - sum X)^2` per area (von Karman & Burgers 1935).
 """
 
+import functools
+
 import numpy as np
 
-from ...case.case import Case
 from ...kernels.runtime import Octet, View, ti
 from ...march.state import BETA, RATE, modes_of
 from ...vortex.sum import TINY
@@ -35,23 +36,25 @@ COEFFICIENTS = TERMS + 2
 """Rows of `cosine`, the cosine coefficients from v_0 on, and w."""
 
 
-def cosines(case: Case) -> np.ndarray:
-    """What makes of v on the elements the cosine coefficients and w, shape (TERMS + 2, elements)."""
-    angle, order = elements.angles(case), np.arange(1, TERMS + 1)[:, None]
+@functools.lru_cache(maxsize=16)
+def cosines(count: int) -> np.ndarray:
+    """What makes of v on so many elements the cosine coefficients and w, shape (TERMS + 2, count)."""
+    angle, order = elements.angles(count), np.arange(1, TERMS + 1)[:, None]
     table = 2.0 / np.pi * np.diff(np.sin(order * angle)) / order
-    mirrored = plate_load(case)[::-1] / case.dbet.elements
+    mirrored = plate_load(count)[::-1] / count
     return np.vstack((np.diff(angle) / np.pi, table, mirrored))
 
 
-def loads(case: Case) -> np.ndarray:
-    """What makes of the cosine coefficients K v on the elements, shape (TERMS + 1, elements)."""
-    return np.vstack((plate_load(case), -0.5 * case.dbet.elements * added_mass.sines(case)))
+@functools.lru_cache(maxsize=16)
+def loads(count: int) -> np.ndarray:
+    """What makes of the cosine coefficients K v on so many elements, shape (TERMS + 1, count)."""
+    return np.vstack((plate_load(count), -0.5 * count * added_mass.sines(count)))
 
 
-def plate_load(case: Case) -> np.ndarray:
-    """g = K 1: mean one, its centre at a quarter of the chord."""
-    angle = elements.angles(case)
-    return np.diff(angle + np.sin(angle)) * case.dbet.elements / np.pi
+def plate_load(count: int) -> np.ndarray:
+    """g = K 1 on so many elements: mean one, its centre at a quarter of the chord."""
+    angle = elements.angles(count)
+    return np.diff(angle + np.sin(angle)) * count / np.pi
 
 
 @ti.func

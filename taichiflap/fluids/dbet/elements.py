@@ -46,9 +46,9 @@ def areas(case: Case) -> np.ndarray:
     return case.wing.chord * spans(case) / case.dbet.elements
 
 
-def angles(case: Case) -> np.ndarray:
-    """Angles of the ends of the elements: `x/c = (1 - cos theta)/2`, from 0 at the leading edge to pi."""
-    return np.arccos(1.0 - 2.0 * np.arange(case.dbet.elements + 1) / case.dbet.elements)
+def angles(count: int) -> np.ndarray:
+    """Angles of the ends of so many elements: `x/c = (1 - cos theta)/2`, from 0 at the leading edge to pi."""
+    return np.arccos(1.0 - 2.0 * np.arange(count + 1) / count)
 
 
 @ti.func

@@ -108,7 +108,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         shape[b, : section.count, :n], slope[b, : section.count, :n] = section.shape(y), section.slope(y)
         sines[b, :, :n] = added_mass.table(case)
         shape_sine[b] = (shape[b, :, None] * sines[b]).sum(axis=2)
-        cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(case), attached.loads(case)
+        cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(n), attached.loads(n)
     blades = Blades(
         elements=array([case.dbet.elements for case in cases]),
         option=array([_options(case) for case in cases]),
