@@ -287,7 +287,7 @@ def _turns(beat: float, time: Array, count: int) -> tuple[Array, Array]:
 @functools.lru_cache(maxsize=32)
 def _turns_at_steps(beat: float, step: float, first: int, last: int) -> tuple[Array, Array]:
     """Those of the harmonics of a summary at some steps; the cases of a study have them in common."""
-    return _turns(beat, step * np.arange(first, last), ORDERS)
+    return _turns(beat, step * np.arange(first, last, dtype=np.float64), ORDERS)
 
 
 def _project(values: Array, turns: tuple[Array, Array]) -> NDArray[np.complex128]:
