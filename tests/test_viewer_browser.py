@@ -511,54 +511,85 @@ def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
         assert running.wait(30.0) == 0
 
 
-def test_a_click_on_a_map_computes_its_case_and_shows_it(tmp_path, look):
+@pytest.fixture(scope="module")
+def sheet(folder):
+    """A small map of blade elements: the file, what it varies, and the lift (mN) and power (mW) that it holds."""
     case = hawkmoth("solver=dbet", "time.periods=2", "time.steps_per_period=40", "dbet.elements=8")
     vary = {"wing.youngs_modulus": [10e9, 20e9, 40e9], "motion.pitch.amplitude_deg": [10.0, 20.0, 30.0, 40.0]}
-    found = taichiflap.sweep(case, vary, tmp_path / "map.h5", metrics=["force_vertical_mean", "power_mean"])
-    viewer = MapViewer(tmp_path / "map.h5", port=18080)
-    try:
-        page = look(viewer.address, node="/map/cells", text="Across")
-        legend = page.locator("[data-legend]")
-        lift = 1e3 * found.force_vertical_mean.values
-        for number in (lift.min(), lift.max()):
-            assert f"{number:.3g}" in legend.inner_text()
-        assert "Mean vertical force, mN" in legend.inner_text()
-        for metric, of in ((lift.min(), 0), (lift.max(), -1)):
-            assert np.count_nonzero(lift == metric) == 1
-            wait_until(page, lambda of=of: pixels_of(page, METRIC.table[of], 260, 1280) > 4)
-        page.get_by_label("Dark", exact=True).click()
-        page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
-        session = viewer.sessions[0]
-        # The third of four columns, the lowest of three rows.
-        seen, canvas = session.client.camera, page.locator("canvas").first.bounding_box()
-        scale = canvas["height"] / (2 * np.tan(seen.fov / 2) * -seen.position[1])
-        x, z = 2.5 / 4 * WIDTH - seen.look_at[0], 0.5 / 3 * HEIGHT - seen.look_at[2]
-        middle = canvas["x"] + canvas["width"] / 2, canvas["y"] + canvas["height"] / 2
-        page.mouse.click(middle[0] + scale * x, middle[1] - scale * z)
-        page.wait_for_function(f"() => {NODE.format('/wing')}")
-        page.get_by_text("motion.pitch.amplitude_deg = 30").wait_for()
-        shown = session._case.run
-        assert (shown.case.wing.youngs_modulus, shown.case.motion.pitch.amplitude_deg) == (10e9, 30.0)
-        assert taichiflap.summarise(shown.result).force_vertical.mean == found.force_vertical_mean.values[0, 2]
-        page.get_by_role("button", name="Back to the map").click()
-        page.wait_for_function(f"() => {NODE.format('/map/cells')} && !({NODE.format('/wing')})")
-        choose(page, "Across", "Mean power (mW)")
-        page.wait_for_function(f"() => {NODE.format('/map/points')}")
-        points = floats(page, "/map/points").reshape(-1, 3)
-        power = found.power_mean.values.ravel()
-        share = (points[:, 0] - points[:, 0].min()) / np.ptp(points[:, 0])
-        np.testing.assert_allclose(share, (power - power.min()) / np.ptp(power), atol=1e-5)
-        choose(page, "Up", "Mean vertical force (mN)")
-        page.wait_for_function(f"() => {NODE.format('/map/front/0')}")
-        line = floats(page, "/map/front/0").reshape(-1, 2, 3)
-        points = floats(page, "/map/points").reshape(-1, 3)
-        front = pareto_front(power, lift.ravel())
-        np.testing.assert_allclose(line[:, 0, [0, 2]], points[front[:-1]][:, [0, 2]], atol=1e-6)
-        np.testing.assert_allclose(line[-1, 1, [0, 2]], points[front[-1]][[0, 2]], atol=1e-6)
-        assert "no other beats" in legend.inner_text()
-    finally:
-        viewer.stop()
-    assert [path.name[:2] for path in (tmp_path / "map-cases").iterdir()] == ["2-"]
+    path = folder / "map.h5"
+    found = taichiflap.sweep(case, vary, path, metrics=["force_vertical_mean", "power_mean"])
+    return path, vary, 1e3 * found.force_vertical_mean.values, 1e3 * found.power_mean.values
+
+
+@pytest.fixture
+def mapped(sheet):
+    """A viewer of it."""
+    viewer = MapViewer(sheet[0], port=18080)
+    yield viewer
+    viewer.stop()
+
+
+def spot_of(page, session, across, up):
+    """Where on the page a place of a map's picture is."""
+    seen, canvas = session.client.camera, page.locator("canvas").first.bounding_box()
+    scale = canvas["height"] / (2 * np.tan(seen.fov / 2) * -seen.position[1])
+    x, z = across * WIDTH - seen.look_at[0], up * HEIGHT - seen.look_at[2]
+    return canvas["x"] + canvas["width"] / 2 + scale * x, canvas["y"] + canvas["height"] / 2 - scale * z
+
+
+def test_a_map_tells_the_case_under_the_cursor_and_its_address_is_a_link(mapped, sheet, look):
+    _, vary, lift, _ = sheet
+    page = look(mapped.address, node="/map/cells", text="Across", query="&colour=power_mean&view=5,3,90")
+    page.get_by_text("Mean power, mW").wait_for()
+    wait_until(page, lambda: np.allclose(mapped.sessions[0].client.camera.position, (5.0, -90.0, 3.0)))
+    choose(page, "Colour", "Forces: Mean vertical force (mN)")
+    page.wait_for_function("() => !location.search.includes('colour') && location.search.includes('view=5,3,90')")
+    page.mouse.move(*spot_of(page, mapped.sessions[0], 2.5 / 4, 0.5 / 3))
+    text = f"Mean vertical force = {lift[0, 2]:.4g} mN"
+    page.wait_for_function("text => document.getElementById('tf-tip').innerText.includes(text)", arg=text)
+    # The metric through that cell, along either key.
+    page.wait_for_function(f"() => {CHARTS}.length === 2")
+    across, up = page.evaluate(f"() => {CHARTS}.map(chart => chart.data.map(one => Array.from(one)))")
+    np.testing.assert_allclose(across, (vary["motion.pitch.amplitude_deg"], lift[0]))
+    np.testing.assert_allclose(up, (np.array([10.0, 20.0, 40.0]), lift[:, 2]))
+
+
+def test_a_click_on_a_map_computes_its_case_and_lands_among_its_sliders(mapped, sheet, look):
+    path, _, lift, power = sheet
+    page = look(mapped.address, node="/map/cells", text="Across")
+    legend = page.locator("[data-legend]")
+    for number in (lift.min(), lift.max()):
+        assert f"{number:.3g}" in legend.inner_text()
+    assert "Mean vertical force, mN" in legend.inner_text()
+    for metric, of in ((lift.min(), 0), (lift.max(), -1)):
+        assert np.count_nonzero(lift == metric) == 1
+        wait_until(page, lambda of=of: pixels_of(page, METRIC.table[of], 330, 980) > 4)
+    page.get_by_label("Dark", exact=True).click()
+    page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    session = mapped.sessions[0]
+    page.mouse.click(*spot_of(page, session, 2.5 / 4, 0.5 / 3))
+    page.wait_for_function(f"() => {NODE.format('/wing')}")
+    page.locator("[data-case]").get_by_text("motion.pitch.amplitude_deg = 30").wait_for()
+    page.get_by_text("Plunge amplitude, mm", exact=True).wait_for()
+    shown = session._case.run
+    assert (shown.case.wing.youngs_modulus, shown.case.motion.pitch.amplitude_deg) == (10e9, 30.0)
+    assert 1e3 * taichiflap.summarise(shown.result).force_vertical.mean == lift[0, 2]
+    page.get_by_role("button", name="Back to the map").click()
+    page.wait_for_function(f"() => {NODE.format('/map/cells')} && !({NODE.format('/wing')})")
+    choose(page, "Across", "Power: Mean power (mW)")
+    page.wait_for_function(f"() => {NODE.format('/map/points')}")
+    points = floats(page, "/map/points").reshape(-1, 3)
+    share = (points[:, 0] - points[:, 0].min()) / np.ptp(points[:, 0])
+    np.testing.assert_allclose(share, (power.ravel() - power.min()) / np.ptp(power), atol=1e-5)
+    choose(page, "Up", "Forces: Mean vertical force (mN)")
+    page.wait_for_function(f"() => {NODE.format('/map/front/0')}")
+    line = floats(page, "/map/front/0").reshape(-1, 2, 3)
+    points = floats(page, "/map/points").reshape(-1, 3)
+    front = pareto_front(power.ravel(), lift.ravel())
+    np.testing.assert_allclose(line[:, 0, [0, 2]], points[front[:-1]][:, [0, 2]], atol=1e-6)
+    np.testing.assert_allclose(line[-1, 1, [0, 2]], points[front[-1]][[0, 2]], atol=1e-6)
+    assert "no other beats" in legend.inner_text()
+    assert [one.name[:2] for one in (path.parent / "map-cases").iterdir()] == ["2-"]
 
 
 def test_a_slider_is_moved_and_the_wing_answers(look):

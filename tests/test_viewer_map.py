@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from conftest import hawkmoth
-from taichiflap_viewer.maps.picture import Choice, held, opening, read
+from taichiflap_viewer.maps.picture import Choice, held, opening, profiles, read
 from taichiflap_viewer.maps.viewer import MapViewer
 
 from taichiflap.maps import file as maps
 from taichiflap.maps.design import design
 from taichiflap.maps.file import MapError
+from taichiflap.maps.labels import group, grouped
 from taichiflap.maps.outcome import Outcome
 from taichiflap.results.variables import Variable
 
@@ -52,8 +53,11 @@ def test_a_heat_map_has_every_case_in_its_cell():
                 np.testing.assert_allclose(picture.values[row, column], expected, atol=1e-12)
         assert picture.at(1.01, 0.5) is picture.at(0.5, -0.01) is None
         assert picture.across.texts == ["5", "25", "45"]
-        assert (picture.up.texts[0], picture.up.texts[-1]) == ("5", "60")
-        np.testing.assert_allclose(picture.up.places, (np.arange(5) + 0.5) / 5)
+        # Round numbers between the values of a logarithmic key, each where its own cell would be.
+        assert picture.up.texts == ["5", "10", "20", "50"]
+        values = np.log10([5, 10, 20, 50])
+        middles = 0.1 + 0.8 * (values - np.log10(5)) / np.log10(12)
+        np.testing.assert_allclose(picture.up.places, middles, atol=1e-12)
     turned = read(sheet, Choice(choice.up, choice.across, choice.colour, {"solver": 1}))
     np.testing.assert_array_equal(turned.numbers, picture.numbers.T)
 
@@ -119,6 +123,37 @@ def test_a_file_that_is_no_map_is_refused(tmp_path):
         MapViewer(tmp_path / "map.h5")
 
 
+def test_contours_of_a_plane_are_its_straight_lines_at_round_values():
+    case = hawkmoth()
+    vary = {"wing.youngs_modulus": "10e9:20e9:6", "motion.pitch.amplitude_deg": "0:30:7"}
+    sheet = maps.create(None, case, design(case, vary), METRICS)
+    row, column = np.unravel_index(np.arange(42), (6, 7))
+    lift = 1.0 + 0.4 * (row + 0.5) / 6 + 0.9 * (column + 0.5) / 7  # mN, of the shares up and across
+    sheet.record(range(42), [Outcome({"force_vertical_mean": 1e-3 * one, "power_mean": 1.0}) for one in lift])
+    picture = read(sheet, opening(sheet))
+    levels = [level for level, _ in picture.contours()]
+    assert levels == pytest.approx([1.2, 1.4, 1.6, 1.8, 2.0, 2.2])
+    for level, lines in picture.contours():
+        for line in lines:
+            np.testing.assert_allclose(1.0 + 0.4 * line[:, 1] + 0.9 * line[:, 0], level, atol=1e-12)
+    across, up = profiles(sheet, opening(sheet), picture, 17)
+    assert (across.key, up.key) == ("motion.pitch.amplitude_deg", "wing.youngs_modulus")
+    np.testing.assert_allclose(across.values, lift.reshape(6, 7)[2])
+    np.testing.assert_allclose(up.values, lift.reshape(6, 7)[:, 3])
+    np.testing.assert_allclose(up.places, np.linspace(10, 20, 6))
+
+
+def test_menus_group_metrics_and_tell_their_units():
+    sheet = sheet_of(None)
+    assert grouped(["solver", "power_mean", "force_vertical_mean", "wing.youngs_modulus"], sheet) == {
+        "Key: solver": "solver", "Key: Young's modulus (GPa)": "wing.youngs_modulus",
+        "Forces: Mean vertical force (mN)": "force_vertical_mean", "Power: Mean power (mW)": "power_mean",
+    }  # fmt: skip
+    assert [group(name) for name in ("tip_peak_mean", "lift_coefficient_mean", "force_normal_harmonic_1", "beats")] == [
+        "Bending", "Coefficients", "Harmonics", "Other",
+    ]  # fmt: skip
+
+
 def test_a_case_for_which_the_model_does_not_hold_has_no_colour():
     case = hawkmoth()
     kept = METRICS | {"tip_peak_mean": Variable((), "m", "tip")}
@@ -129,5 +164,6 @@ def test_a_case_for_which_the_model_does_not_hold_has_no_colour():
     ]
     sheet.record(range(4), outcomes)
     picture = read(sheet, Choice("power_mean", "force_vertical_mean", "power_mean"))
-    assert list(np.isnan(picture.values)) == [True, True, False, False]
+    assert list(np.isnan(picture.values)) == list(picture.broken) == [True, True, False, False]
+    assert list(picture.bent) == [True, True, True, False]
     assert [list(front) for front in picture.fronts] == [[2]]

@@ -79,6 +79,13 @@ class Background:
         """What the legend says about it, once there is a flow to tell the ranges."""
         return field.bar(kind, theme, self._fields.limits(self._flow)) if self._flow else None
 
+    def at(self, right: float, up: float) -> str:
+        """Speed and vorticity at a place of the scene, in words; nothing beyond the picture, or before there is one."""
+        if self._shown is None or self._shown not in self._pictures:
+            return ""
+        flow = self._fields.ask(self._shown)
+        return flow.result().at(right, up) if flow.done() and not flow.cancelled() else ""
+
     def _show_only(self, index: int) -> None:
         if self._shown is not None and self._shown != index and self._shown in self._pictures:
             self._pictures[self._shown].visible = False

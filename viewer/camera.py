@@ -48,15 +48,16 @@ lock();
 """
 
 
-def home(box: Box, width: float, height: float) -> tuple[Point, Point]:
+def home(box: Box, width: float, height: float, aside: float = LEGEND_PIXELS) -> tuple[Point, Point]:
     """Position of the camera and what it looks at, to see a box (left, bottom, right, top; chords) whole.
 
     Args:
         width, height: of the canvas, pixels.
+        aside: pixels that a wide window keeps free on the left.
     """
     left, bottom, right, top = (float(edge) for edge in box)
     sheet = SHEET * height if 1.0 < width <= NARROW else 0.0
-    legend = LEGEND_PIXELS if width > 2.0 * LEGEND_PIXELS and not sheet else 0.0
+    legend = aside if width > 2.0 * aside and not sheet else 0.0
     scale = MARGIN * max((top - bottom) / (height - sheet), (right - left) / (width - legend))
     distance = max(scale * height / (2.0 * math.tan(FIELD_OF_VIEW / 2.0)), NEAREST)
     x, z = 0.5 * (left + right - legend * scale), 0.5 * (bottom + top - sheet * scale)
@@ -88,16 +89,18 @@ class View:
 
     Args:
         box: what the first view shows: left, bottom, right, top; chords.
+        aside: pixels that a wide window keeps free on the left.
     """
 
-    def __init__(self, client: Any, box: Box) -> None:
-        self.box = box
+    def __init__(self, client: Any, box: Box, aside: float = LEGEND_PIXELS) -> None:
+        self.box, self._aside = box, aside
         self._camera = client.camera
         self._camera.min_orbit_distance, self._camera.max_orbit_distance = NEAREST, FARTHEST
         self._lock = threading.Lock()
         # Those on their way to the browser too: its answers to them may yet come.
         self._homes: deque[Any] = deque(maxlen=4)
         self._size = (0, 0)
+        self._over = False
         self.reset()
         self._camera.on_update(self._refit)
 
@@ -105,12 +108,19 @@ class View:
         """Turn back to the first view."""
         with self._lock:
             self._size = self._camera.image_width, self._camera.image_height
-            position, target = home(self.box, *self._size)
+            position, target = home(self.box, *self._size, self._aside)
             self._homes.append(position)
             self._camera.fov = FIELD_OF_VIEW
             self._camera.up_direction = (0.0, 0.0, 1.0)
             self._camera.position = np.array(position)
             self._camera.look_at = np.array(target)
+
+    def look_at(self, x: float, z: float, distance: float) -> None:
+        """Look at a place of the scene, from so far; not back at the first view when the window changes."""
+        with self._lock:
+            distance = min(max(distance, NEAREST), FARTHEST)
+            self._homes.clear()
+            self._camera.position, self._camera.look_at = np.array((x, -distance, z)), np.array((x, 0.0, z))
 
     def fit(self, box: Box) -> None:
         """Take another box for the first view, and show it unless somebody has panned or zoomed."""
@@ -118,12 +128,16 @@ class View:
         if self._untouched(self._camera):
             self.reset()
 
+    def leave(self) -> None:
+        """Leave the camera to another view of the same browser."""
+        self._over = True
+
     def _untouched(self, seen: Any) -> bool:
         return any(np.allclose(seen.position, place, rtol=1e-3, atol=1e-3) for place in self._homes)
 
     def _refit(self, seen: Any) -> None:
         self._camera = seen
-        if self._untouched(seen) and (seen.image_width, seen.image_height) != self._size:
+        if not self._over and self._untouched(seen) and (seen.image_width, seen.image_height) != self._size:
             self.reset()
 
 

@@ -52,7 +52,7 @@ HEAD = """<title>taichiflap</title><script>
 const replaceState = history.replaceState.bind(history);
 history.replaceState = (data, title, url) => {
   const to = new URL(url || location.href, location.href);
-  to.searchParams.delete("websocket");
+  if (to.searchParams.has("websocket")) to.searchParams.delete("websocket");
   replaceState(data, title, to.href);
 };
 </script>"""

@@ -43,6 +43,21 @@ class Flow:
             return theme.vorticity.symmetric(self.vorticity[::-1], limits[0])
         return theme.speed.between(np.hypot(*self.velocity)[::-1], 0.0, limits[1])
 
+    def at(self, right: float, up: float) -> str:
+        """Speed and vorticity in the picture's point nearest to a place (chords), in words; nothing beyond it."""
+        rows, columns = self.vorticity.shape
+        left, bottom, east, top = self.box
+        column, row = (right - left) / (east - left) * columns, (up - bottom) / (top - bottom) * rows
+        if not (0.0 <= column < columns and 0.0 <= row < rows):
+            return ""
+        here = int(row), int(column)
+        along, across = (float(component[here]) for component in self.velocity)
+        text = (
+            f"speed {np.hypot(along, across):.3g} m/s ({along:+.3g} right, {across:+.3g} up)\n"
+            f"vorticity {float(self.vorticity[here]):+.3g} 1/s"
+        )
+        return text.replace("-", "−")
+
     def arrows(self, speed: float) -> NDArray[np.float32]:
         """Velocity arrows as line segments (n, 2, 3)."""
         rows, columns = (np.arange(SPACING // 2, count, SPACING) for count in self.vorticity.shape)

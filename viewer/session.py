@@ -12,9 +12,10 @@ from taichiflap.errors import UserError
 from . import camera, compare, timeline
 from .background import AHEAD, Background
 from .bar import Bar
+from .channel import Channel
 from .charts import Charts, caption
 from .colours import theme
-from .field import NONE, Fields
+from .field import BACKGROUNDS, NONE, Fields
 from .frames import Run
 from .legend import legend
 from .paint import paint
@@ -57,10 +58,13 @@ class Session:
         self.background = Background(client, fields, self._lock, self._tell_legend)
         self._beside = 0.0
         self._started = False
+        self._cursor: tuple[float, float] | None = None
+        self._usual = self._chosen(playback)
         with client.atomic():
             self._set_theme()
             self.panel = Panel(client, self.run, playback, self.act)
-            self.bar = Bar(client, self.run, self.act)
+            self.channel = Channel(client, self.act)
+            self.bar = Bar(client, self.run)
             self.charts = self._make_charts(playback)
             self._build()
             self.view = camera.View(client, self.run.box)
@@ -79,6 +83,7 @@ class Session:
                 self._darken(playback.dark)
             self.charts.show(playback, playback.frame)
             self.show()
+            self._tell_address()
 
     def tick(self, seconds: float) -> None:
         """Play on, if playing."""
@@ -119,6 +124,7 @@ class Session:
             here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
             actor.show(here, self._layers(actor))
         self.background.show(kind, index, self.theme, coming)
+        self._tell_cursor()
         text = self.run.frame(index).text
         self.stage.show(text, self.playback.layers["stroke"])
         self.bar.show(self.run, self.playback, index, f"{text}   {self._milliseconds(index)}")
@@ -141,6 +147,7 @@ class Session:
             if name == "background":
                 self._tell_legend()
             self.show()
+            self._tell_address()
 
     def _play(self, _: Any) -> None:
         self.playback.playing = not self.playback.playing
@@ -151,6 +158,9 @@ class Session:
 
     def _skip(self, frames: float) -> None:
         timeline.step(self.run, self.playback, round(frames))
+
+    def _skip_beats(self, beats: float) -> None:
+        timeline.seek(self.run, self.playback, self.run.index_at(self.run.turns(self.playback.frame) + beats))
 
     def _go_to_edge(self, edge: float) -> None:
         timeline.seek(self.run, self.playback, self.run.frames - 1 if edge else 0)
@@ -164,7 +174,7 @@ class Session:
         timeline.seek(self.run, self.playback, self.run.index_at(beats))
 
     def _set_range(self, ends: tuple[float, float]) -> None:
-        first, last = (min(max(round(end), 0), self.run.frames - 1) for end in ends)
+        first, last = (min(max(round(end), 0), self.run.frames - 1) for end in sorted(ends))
         if first < last:
             self.playback.range, self.playback.loop = (first, last), timeline.RANGE
 
@@ -180,6 +190,46 @@ class Session:
     def _reset_view(self, _: Any) -> None:
         self.view.reset()
 
+    def _look_at(self, seen: tuple[float, float, float]) -> None:
+        self.view.look_at(*seen)
+
+    def _point_at(self, place: tuple[float, float]) -> None:
+        self._cursor = place
+
+    def _take_address(self, chosen: dict[str, str]) -> None:
+        """Go where the address says; what this run does not have is left."""
+        playback, dark = self.playback, chosen.get("dark") == "1"
+        if "layers" in chosen:
+            names = chosen["layers"].split(",")
+            playback.layers = {name: name in names for name in playback.layers}
+        if chosen.get("background") in BACKGROUNDS and self.run.draws_flow:
+            playback.background = chosen["background"]
+            self._tell_legend()
+        if chosen.get("frame", "").isdecimal():
+            timeline.seek(self.run, playback, int(chosen["frame"]))
+        if dark != playback.dark:
+            self._darken(dark)
+        self.panel.take(playback)
+
+    @staticmethod
+    def _chosen(playback: Playback) -> dict[str, str]:
+        """What somebody chose, as the address holds it."""
+        layers = ",".join(name for name, shown in playback.layers.items() if shown)
+        return {"layers": layers, "background": playback.background, "dark": str(int(playback.dark))}
+
+    def _tell_address(self) -> None:
+        """The address holds the frame of a run that stands still, and what is other than usual."""
+        if not self._started:
+            return
+        playback = self.playback
+        moving = playback.playing or playback.follow
+        held = {name: None if value == self._usual[name] else value for name, value in self._chosen(playback).items()}
+        self.channel.tell_address(held | {"frame": None if moving else str(playback.frame)})
+
+    def _tell_cursor(self) -> None:
+        if self._cursor is not None and self.playback.background != NONE:
+            self.channel.tell_cursor(self.background.at(*self._cursor))
+
     def _darken(self, dark: bool) -> None:
         self.playback.dark = bool(dark)
         with self.client.atomic():
@@ -192,11 +242,15 @@ class Session:
         "skip": _skip,
         "edge": _go_to_edge,
         "reversal": _go_to_reversal,
+        "beat": _skip_beats,
         "beats": _go_to_time,
         "range": _set_range,
         "speed": _set_speed,
         "follow": _set_follow,
         "reset": _reset_view,
+        "view": _look_at,
+        "cursor": _point_at,
+        "address": _take_address,
         "dark": _darken,
     }
 

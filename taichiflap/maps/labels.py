@@ -1,5 +1,7 @@
 """What a map's keys and metrics are called in pictures, and the units that they are drawn in."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .design import Axis
@@ -28,6 +30,31 @@ LABELS = {
     "motion.plunge.amplitude": "Plunge amplitude",
     "motion.pitch.amplitude_deg": "Pitch amplitude",
 }
+
+
+GROUPS = {
+    "Harmonics": ("_harmonic",),
+    "Coefficients": ("_coefficient",),
+    "Power": ("power", "efficiency", "energy"),
+    "Forces": ("force", "lift", "thrust", "drag", "moment"),
+    "Bending": ("tip_",),
+}
+"""Groups of metrics, and words in the names of their members: the first that fits counts."""
+KEY, OTHER = "Key", "Other"
+
+
+def group(name: str) -> str:
+    """The group that a key or a metric belongs to."""
+    if "." in name or name == "solver":
+        return KEY
+    return next((one for one, words in GROUPS.items() if any(word in name for word in words)), OTHER)
+
+
+def grouped(names: Sequence[str], sheet: Map) -> dict[str, str]:
+    """Keys and metrics by what a menu calls them, "group: name (unit)", group by group."""
+    order = (KEY, *reversed(GROUPS), OTHER)
+    found = sorted(names, key=lambda name: order.index(group(name)))
+    return {f"{group(name)}: {named(name, sheet)}": name for name in found}
 
 
 def model(sheet: Map) -> str:

@@ -53,7 +53,7 @@ class ExploreSession(Session):
         self, client: Any, case: Case, command: list[str], run: Run, worker: Worker, pool: ThreadPoolExecutor
     ) -> None:
         self.first, self.case, self._command = case, case, command
-        self._base, self._worker, self._pool = run, worker, pool
+        self.base, self._worker, self._pool = run, worker, pool
         self._past: list[Case] = []
         self._future: list[Case] = []
         self._wishes: dict[int, tuple[Case, str]] = {}
@@ -69,6 +69,7 @@ class ExploreSession(Session):
     def close(self) -> None:
         """Let go of what is this browser's alone."""
         self._worker.release(self._place)
+        self.view.leave()
         with self._lock:
             self._closed = True
             for run in {id(one): one for one in (self.run, self.pinned)}.values():
@@ -314,7 +315,7 @@ class ExploreSession(Session):
         self._tell()
 
     def _drop(self, run: Run) -> None:
-        if run is not self._base:
+        if run is not self.base:
             run.close()
 
 

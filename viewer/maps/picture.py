@@ -6,7 +6,9 @@ point for every case.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
+import contourpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,18 +17,15 @@ from taichiflap.maps.file import Map
 from taichiflap.maps.labels import factor_of, is_log
 from taichiflap.metrics.names import POWER, gains, shown
 from taichiflap.metrics.pareto import pareto_front
-from taichiflap.notation import short
 from taichiflap.run import limits
 
-MOST_TICKS = 6
-MOST_STEPS = 8
-"""Ticks along an edge: of cells, and steps between those of points."""
+from .ticks import Ticks, of_cells, of_points, round_numbers
+
 NEAR = 0.03
 """A click reaches a point at this share of the picture's width, or less."""
-MARGIN = 0.04
-"""Free around the points, as a share of the picture."""
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -40,20 +39,14 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Ticks:
-    """Numbers along an edge of the picture: where, as a share of it, and what they say."""
-
-    places: Array
-    texts: list[str]
-
-
-@dataclass(frozen=True)
 class Picture:
     """Cells or points. Places are shares of the picture, from its lower left corner.
 
     Attributes:
         numbers: of the cases, shape (rows, columns) from the lowest row, or (points,).
         values: of the metric that gives the colour, alike; not-a-number where a case has none.
+        broken, bent: cases for which the model does not hold, alike, whose value is left out; and cases whose wing
+            bends further than a linear beam is good for.
         points: where the points are, shape (points, 2); None for cells.
         fronts: of lift against power, for every kind of case: the points that none of its kind beats in both.
         across, up: what the lower and the left edge say.
@@ -61,6 +54,8 @@ class Picture:
 
     numbers: NDArray[np.intp]
     values: Array
+    broken: Mask
+    bent: Mask
     points: Array | None
     across: Ticks
     up: Ticks
@@ -71,6 +66,21 @@ class Picture:
         """Least and greatest value; 0 and 1 if there is none."""
         known = self.values[np.isfinite(self.values)]
         return (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+
+    def contours(self) -> list[tuple[float, list[Array]]]:
+        """Lines of equal value over a heat map: a round value, and its lines as shares of the picture, shape (n, 2)."""
+        known = self.values[np.isfinite(self.values)]
+        if self.points is not None or min(self.values.shape) < 2 or known.size < 4 or np.ptp(known) == 0.0:
+            return []
+        rows, columns = self.values.shape
+        middles = (np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows
+        lines: Any = contourpy.contour_generator(*middles, np.ma.masked_invalid(self.values))
+        return [(float(level), list(lines.lines(level))) for level in round_numbers(known, log=False)]
+
+    def cell(self, number: int) -> tuple[int, int]:
+        """Row and column of a case of a heat map."""
+        row, column = np.argwhere(self.numbers == number)[0]
+        return int(row), int(column)
 
     def at(self, across: float, up: float) -> int | None:
         """Number of the case at a place of the picture, if there is one."""
@@ -83,6 +93,20 @@ class Picture:
             return None
         rows, columns = self.numbers.shape
         return int(self.numbers[int(up * rows), int(across * columns)])
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A metric along one key, all others held: the key, its values and the metric's, as they are drawn.
+
+    Attributes:
+        log: whether the key is drawn by its logarithm.
+    """
+
+    key: str
+    log: bool
+    places: Array
+    values: Array
 
 
 def opening(sheet: Map) -> Choice:
@@ -103,21 +127,36 @@ def held(sheet: Map, choice: Choice) -> list[Axis]:
 def read(sheet: Map, choice: Choice) -> Picture:
     """The picture of a choice; a case for which the model does not hold has no value, as one that failed."""
     numbers = np.arange(sheet.design.size)
-    values = np.where(limits.broken(sheet), np.nan, _column(sheet, choice.colour))
+    broken, bent = limits.broken(sheet), limits.bent(sheet)
+    values = np.where(broken, np.nan, _column(sheet, choice.colour))
     if _is_heat_map(sheet, choice):
         axes = sheet.design.axes
         keys = [axis.key for axis in axes]
         index = tuple(slice(None) if key in (choice.across, choice.up) else choice.fixed.get(key, 0) for key in keys)
         cut = numbers.reshape(sheet.design.shape)[index]
         cells = cut if keys.index(choice.up) < keys.index(choice.across) else cut.T
-        across, up = (_of_cells(axes[keys.index(name)], factor_of(sheet, name)) for name in (choice.across, choice.up))
-        return Picture(cells, values[cells], None, across, up)
-    sides = [_of_points(sheet, name) for name in (choice.across, choice.up)]
+        across, up = (of_cells(axes[keys.index(name)], factor_of(sheet, name)) for name in (choice.across, choice.up))
+        return Picture(cells, values[cells], broken[cells], bent[cells], None, across, up)
+    sides = [of_points(_axis(sheet, name), _column(sheet, name)) for name in (choice.across, choice.up)]
     points = np.stack([places for places, _ in sides], axis=1)
     sides_of = {choice.across, choice.up}
     gain = next((name for name in gains(sheet.metrics) if sides_of == {name, POWER}), None)
     fronts = _fronts(sheet, gain) if gain else ()
-    return Picture(numbers, values, points, sides[0][1], sides[1][1], fronts)
+    return Picture(numbers, values, broken, bent, points, sides[0][1], sides[1][1], fronts)
+
+
+def profiles(sheet: Map, choice: Choice, picture: Picture, number: int) -> list[Profile]:
+    """The metric through a case along either key of a heat map; none of points."""
+    if picture.points is not None:
+        return []
+    row, column = picture.cell(number)
+    lines = ((choice.across, picture.values[row]), (choice.up, picture.values[:, column]))
+    found = [(_axis(sheet, name), name, values) for name, values in lines]
+    return [
+        Profile(name, is_log(axis), factor_of(sheet, name) * np.array(axis.values, dtype=float), values)
+        for axis, name, values in found
+        if axis and axis.numeric
+    ]
 
 
 def _is_heat_map(sheet: Map, choice: Choice) -> bool:
@@ -151,47 +190,3 @@ def _column(sheet: Map, name: str) -> Array:
     position = sheet.design.axes.index(axis)
     places = np.unravel_index(np.arange(sheet.design.size), sheet.design.shape)[position]
     return np.array(scaled, dtype=float)[places]
-
-
-def _of_cells(axis: Axis, factor: float) -> Ticks:
-    count = len(axis.values)
-    chosen = np.arange(0, count, -(-count // MOST_TICKS))
-    values = [axis.values[i] for i in chosen]
-    return Ticks((chosen + 0.5) / count, [short(factor * v if not isinstance(v, str) else v) for v in values])
-
-
-def _of_points(sheet: Map, name: str) -> tuple[Array, Ticks]:
-    """Where the points are along one edge, and what that edge says."""
-    axis, values = _axis(sheet, name), _column(sheet, name)
-    known = values[np.isfinite(values)]
-    log = axis is not None and axis.numeric and is_log(axis)
-    if axis is not None and not axis.numeric:
-        kinds = list(dict.fromkeys(axis.values))
-        marks, texts = np.arange(float(len(kinds))), [str(kind) for kind in kinds]
-    else:
-        marks = _round_numbers(known, log)
-        texts = [f"{mark:.4g}" for mark in marks]
-    scaled, ends, marks = (np.log(part) if log else part for part in (values, known, marks))
-    low, high = (float(ends.min()), float(ends.max())) if ends.size else (0.0, 1.0)
-    spare = MARGIN * (high - low) or 0.5
-    span = high - low + 2.0 * spare
-    return (scaled - low + spare) / span, Ticks((marks - low + spare) / span, texts)
-
-
-def _round_numbers(values: Array, log: bool) -> Array:
-    """1, 2 or 5 times powers of ten between the least and the greatest value: all of them, or evenly spaced."""
-    if not values.size:
-        return np.zeros(0)
-    low, high = float(values.min()), float(values.max())
-    if log:
-        powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.log10(high) + 1.0)
-        marks = np.outer(powers, (1.0, 2.0, 5.0)).ravel()
-        marks = marks[(marks >= low) & (marks <= high)]
-        return marks if len(marks) <= MOST_TICKS + 2 else marks[:: -(-len(marks) // MOST_TICKS)]
-    if low == high:
-        return np.array([low])
-    rough = (high - low) / MOST_STEPS
-    power = 10.0 ** np.floor(np.log10(rough))
-    step = next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= rough * (1.0 - 1e-9))
-    # Adding zero takes the sign from a zero that has one.
-    return step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1.0) + 0.0

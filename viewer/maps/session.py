@@ -11,26 +11,34 @@ from typing import Any
 
 import numpy as np
 
+from taichiflap.case.case import Case
 from taichiflap.errors import UserError
 from taichiflap.maps.file import Map, MapError, open_map
-from taichiflap.maps.labels import factor_of, model, named
+from taichiflap.maps.labels import factor_of, grouped, model, named
 from taichiflap.maps.outcome import COMPLETE, FAILED
 from taichiflap.notation import short
+from taichiflap.run.warnings import BENT, BROKEN
 
 from .. import camera
+from ..channel import Channel
 from ..colours import METRIC, theme
-from ..field import Fields
+from ..explore.session import ExploreSession, brief
+from ..explore.worker import Worker
 from ..frames import UNREADABLE, Run
 from ..legend import Bar, bar_html
 from ..paint import paint
-from ..panel import WIDTH as PANEL_WIDTH
 from ..server import notice
-from ..session import Session
-from ..session import opening as opening_of_a_run
 from . import picture, scene
+from .profiles import Profiles
 
+PANEL_WIDTH = 320
+COMMAND = ["taichiflap", "simulate", "case.toml"]
+"""What computes a case of a map anew, once it is saved."""
 BACK = "Back to the map"
-FRONT = "Line: cases that no other beats in both lift and power. "
+FRONT = "Line: cases that no other beats in both lift and power."
+NOTHING = "Grey: a case without this metric."
+DOUBTFUL = f"Hatched grey: the model does not hold (tip beyond {BROKEN:g} chord, or forces of no flow)."
+HATCHED = f"Hatched: the tip bends by more than {BENT:g} chords."
 
 OpenCase = Callable[[int, Callable[[int, int], None]], Run]
 
@@ -43,17 +51,22 @@ class MapSession:
         path: the map file.
         run: computes or opens a case, by its number, telling the steps done and all steps.
         worker: the thread to do that in.
+        explorer: gives the process that computes what is explored from there.
     """
 
-    def __init__(self, client: Any, path: Path, run: OpenCase, worker: ThreadPoolExecutor) -> None:
-        self.client, self.path, self.run, self.worker = client, path, run, worker
+    def __init__(
+        self, client: Any, path: Path, run: OpenCase, worker: ThreadPoolExecutor, explorer: Callable[[Case], Worker]
+    ) -> None:
+        self.client, self.path, self.run, self.worker, self.explorer = client, path, run, worker, explorer
         self._lock = threading.RLock()
         self._dark = False
         self._wanted: int | None = None
-        self._case: Session | None = None
+        self._case: ExploreSession | None = None
+        self._menus: dict[str, tuple[Any, dict[str, str]]] = {}
+        self._pointed: int | None = None
         with open_map(self.path) as sheet:
             self._is_of = _identity(sheet)
-            self.choice = picture.opening(sheet)
+            self.choice = self._opening = picture.opening(sheet)
         self._show_map()
         self.client.scene.on_click()(lambda event: self._try(self._click, event))
 
@@ -67,8 +80,8 @@ class MapSession:
         """Let go of the case that is shown."""
         with self._lock:
             if self._case:
-                self._case.run.close()
-                self._case.fields.close()
+                self._case.close()
+                self._case.base.close()
             self._case = self._wanted = None
 
     def warn(self, trouble: str) -> None:
@@ -106,6 +119,7 @@ class MapSession:
             gui.main_panel.dock_left()
             gui.main_panel.set_width(PANEL_WIDTH)
             gui.add_html(camera.narrow())
+            self.channel = Channel(client, lambda what, value: self._try(self._act, what, value))
             self._headline = gui.add_html(_headline(sheet))
             self._trouble = gui.add_html("")
             keys = [axis.key for axis in sheet.design.axes]
@@ -114,19 +128,21 @@ class MapSession:
                 ("Up", "up", keys + sheet.metrics),
                 ("Colour", "colour", sheet.metrics),
             ):
-                self._add_dropdown(title, of, {named(name, sheet): name for name in names})
+                self._add_dropdown(title, of, grouped(names, sheet))
             self._fixed = [self._add_held(axis) for axis in sheet.design.axes]
             self._dark_box = gui.add_checkbox("Dark", self._dark)
             self._dark_box.on_update(lambda event: self._try(self._darken, bool(event.target.value)))
             self._legend = gui.add_html("")
             self._message = gui.add_html("")
+            self._profiles = Profiles(gui)
             self._draw(sheet)
-        self.view = camera.View(client, scene.BOX)
+            self.view = camera.View(client, scene.BOX, aside=0.0)
         camera.lock_rotation(client)
 
     def _add_dropdown(self, title: str, of: str, names: dict[str, str]) -> None:
         shown = next(text for text, name in names.items() if name == getattr(self.choice, of))
-        handle = self.client.gui.add_dropdown(title, tuple(names), initial_value=shown)
+        handle = self.client.gui.add_dropdown(title, tuple(names), initial_value=shown, hint="type to search")
+        self._menus[of] = handle, names
 
         @handle.on_update
         def _(event: Any) -> None:
@@ -153,6 +169,54 @@ class MapSession:
         self._dark = dark
         self._choose({})
 
+    def _act(self, what: str, value: Any) -> None:
+        """Do what the page asks for."""
+        with self._lock:
+            if self._case:
+                return
+            if what == "cursor":
+                self._point(value)
+            elif what == "view":
+                self.view.look_at(*value)
+            elif what == "address":
+                self._take_address(value)
+
+    def _point(self, spot: tuple[float, float]) -> None:
+        """Say which case is under the cursor, and draw the metric through it."""
+        number = self.picture.at(*scene.shares(*spot))
+        if number == self._pointed:
+            return
+        self._pointed = number
+        if number is None:
+            self.channel.tell_cursor("")
+            return
+        with self.client.atomic(), self._open() as sheet:
+            self.channel.tell_cursor("\n".join(_words(sheet, number, self.choice.colour, self.picture)))
+            self._draw_profiles(sheet, number)
+
+    def _draw_profiles(self, sheet: Map, number: int | None) -> None:
+        choice = self.choice
+        found = [] if number is None else picture.profiles(sheet, choice, self.picture, number)
+        names = {name: named(name, sheet) for name in (choice.across, choice.up)}
+        metric = named(choice.colour, sheet)
+        self._profiles.show(found, names, metric, f"<b>Case {number}</b>: {escape(metric)}" if found else "")
+
+    def _take_address(self, chosen: dict[str, str]) -> None:
+        """Show what the address says, as far as this map has it."""
+        known = {of: chosen[of] for of, (_, names) in self._menus.items() if chosen.get(of) in names.values()}
+        self._dark = chosen.get("dark") == "1"
+        self._dark_box.value = self._dark
+        for of, name in known.items():
+            handle, names = self._menus[of]
+            handle.value = next(text for text, one in names.items() if one == name)
+        self._choose(known)
+
+    def _tell_address(self) -> None:
+        held = {of: getattr(self.choice, of) for of in self._menus}
+        usual = {of: getattr(self._opening, of) for of in self._menus}
+        changed = {of: None if held[of] == usual[of] else held[of] for of in held}
+        self.channel.tell_address(changed | {"dark": "1" if self._dark else None})
+
     def _draw(self, sheet: Map) -> None:
         """Draw the map as chosen."""
         client = self.client
@@ -167,12 +231,15 @@ class MapSession:
         self.picture = picture.read(sheet, self.choice)
         names = named(self.choice.across, sheet), named(self.choice.up, sheet)
         scene.draw(client.scene, self.picture, *names, self._theme)
+        self._pointed = None
+        self._draw_profiles(sheet, None)
+        self._tell_address()
         low, high = self.picture.limits
         title, unit = _title_and_unit(self.choice.colour, sheet)
         bar = bar_html(Bar(title, METRIC, _digits(low), _digits(high), unit or "no unit"))
         self._legend.content = (
             f'<div data-legend style="padding:4px;line-height:1.45;font-size:12px">{bar}'
-            f"Grey: a case without this metric. {FRONT if self.picture.fronts else ''}A click on a case opens it.</div>"
+            f"{_remarks(self.picture)}A click on a case opens it.</div>"
         )
 
     def _click(self, event: Any) -> None:
@@ -184,7 +251,7 @@ class MapSession:
             if number is None:
                 return
             with self._open() as sheet:
-                told = _case_lines(sheet, number, self.choice.colour)
+                told = _case_lines(sheet, number, self.choice.colour, self.picture)
             self._wanted = number
             self._message.content = _lines([*told, "opening"])
 
@@ -210,16 +277,19 @@ class MapSession:
             self._show_case(found.result(), told)
 
     def _show_case(self, run: Run, told: list[str]) -> None:
-        client, playback = self.client, opening_of_a_run([run])
+        client = self.client
+        self.view.leave()
         with client.atomic():
             client.gui.reset()
             client.scene.reset()
-            self._case = Session(client, [run], playback, Fields(run, self.worker))
-            back = client.gui.add_button(BACK, order=-2.0)
-            self._trouble = client.gui.add_html("", order=-1.5)
-            client.gui.add_html(_lines(told), order=-1.0)
+            self._case = ExploreSession(
+                client, brief(run.case), COMMAND, run, self.explorer(brief(run.case)), self.worker
+            )
+            back = client.gui.add_button(BACK, order=-20.0)
+            self._trouble = client.gui.add_html("", order=-19.0)
+            client.gui.add_html(_lines(told), order=-18.0)
             back.on_click(lambda _: self._try(self._show_map))
-        self._case.start(replace(playback, dark=self._dark))
+        self._case.start(replace(self._case.playback, dark=self._dark))
 
 
 def _identity(sheet: Map) -> tuple[Any, ...]:
@@ -236,19 +306,39 @@ def _headline(sheet: Map) -> str:
     return f'<div data-map style="padding:2px 4px 6px;line-height:1.45"><b>{name}</b><br>{", ".join(counts)}</div>'
 
 
-def _case_lines(sheet: Map, number: int, metric: str) -> list[str]:
-    """A case in words: its number, what makes it, its metric, or why it has none."""
+def _remarks(shown: picture.Picture) -> str:
+    """What is grey, hatched or joined by a line, as HTML."""
+    cells = shown.points is None
+    said = {
+        NOTHING: bool((~np.isfinite(shown.values) & ~shown.broken).any()),
+        DOUBTFUL if cells else DOUBTFUL.replace("Hatched grey", "Grey"): bool(shown.broken.any()),
+        HATCHED: cells and bool((shown.bent & ~shown.broken).any()), FRONT: bool(len(shown.fronts)),
+    }  # fmt: skip
+    return "".join(f"{text}<br>" for text, true in said.items() if true)
+
+
+def _words(sheet: Map, number: int, metric: str, shown: picture.Picture) -> list[str]:
+    """A case in plain words: what makes it, its metric, or why it has none, and whether the model holds."""
     outcome = sheet.outcomes([number])[0]
-    point = sheet.design.point(number)
-    lines = [f"<b>Case {number}</b>", *(escape(f"{key} = {short(value)}") for key, value in point.items())]
+    lines = [f"case {number}", *(f"{key} = {short(value)}" for key, value in sheet.design.point(number).items())]
     if outcome is None:
-        lines.append("not run by the study yet")
-    elif outcome.reason:
-        lines.append(escape(outcome.reason))
-    else:
-        title, unit = _title_and_unit(metric, sheet)
-        lines.append(f"{title} = {factor_of(sheet, metric) * outcome.metrics[metric]:.4g} {unit}")
+        return [*lines, "not run by the study yet"]
+    if outcome.reason:
+        return [*lines, outcome.reason]
+    title, _, unit = named(metric, sheet).partition(" (")
+    lines.append(f"{title} = {factor_of(sheet, metric) * outcome.metrics[metric]:.4g} {unit.rstrip(')')}")
+    place = np.nonzero(shown.numbers == number)
+    if shown.broken[place].any():
+        lines.append("the model does not hold")
+    elif shown.bent[place].any():
+        lines.append(f"the tip bends by more than {BENT:g} chords")
     return lines
+
+
+def _case_lines(sheet: Map, number: int, metric: str, shown: picture.Picture) -> list[str]:
+    """`_words` as HTML."""
+    first, *rest = map(escape, _words(sheet, number, metric, shown))
+    return [f"<b>{first.capitalize()}</b>", *rest]
 
 
 def _title_and_unit(name: str, sheet: Map) -> tuple[str, str]:

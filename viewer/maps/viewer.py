@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from taichiflap import simulate
+from taichiflap.case.case import Case
 from taichiflap.case.solver import ELSEWHERE
 from taichiflap.errors import UserError
 from taichiflap.maps.file import open_map
 
 from .. import camera
+from ..explore.worker import Worker
 from ..frames import UNREADABLE, Run
 from ..server import Server
 from ..watch import Watch
@@ -44,6 +46,7 @@ class MapViewer(Server):
         super().__init__(host, port, token)
         # Taichi wants one thread of its own for all that it does: the runs, and the flow around them.
         self.worker = ThreadPoolExecutor(1, thread_name_prefix="cases")
+        self._explorer: Worker | None = None
         camera.start(self.server, BOX)
         self.serve(self._connect, self._disconnect, self._follow)
 
@@ -53,6 +56,15 @@ class MapViewer(Server):
         for session in self.sessions:
             session.close()
         self.worker.shutdown(wait=True, cancel_futures=True)
+        if self._explorer:
+            self._explorer.close()
+
+    def explorer(self, case: Case) -> Worker:
+        """The process that computes what is explored from a case of the map; begun with the first."""
+        with self._lock:
+            if self._explorer is None or not self._explorer.alive:
+                self._explorer = Worker(case)
+            return self._explorer
 
     def run(self, number: int, progress: Callable[[int, int], None]) -> Run:
         """Case `number` of the map, from a file in a folder beside it; computed first if it is not there.
@@ -93,7 +105,7 @@ class MapViewer(Server):
         return ""
 
     def _connect(self, client: Any) -> None:
-        session = MapSession(client, self.path, self.run, self.worker)
+        session = MapSession(client, self.path, self.run, self.worker, self.explorer)
         if not self._welcome(client, session):
             session.close()
 
