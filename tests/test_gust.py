@@ -6,6 +6,7 @@ from conftest import PAPERS_BLADES, hawkmoth, march
 
 from taichiflap import fluids, theory
 from taichiflap.case.case import CaseError
+from taichiflap.fluids.navier_stokes import gust as viscous
 from taichiflap.kernels.arrays import array, zeros
 from taichiflap.kernels.runtime import Floats2, Ints1, start, ti, view
 from taichiflap.march.stream import EDGE, carry_gust, gust_at, streams
@@ -97,3 +98,51 @@ def test_gusts_that_cannot_be_are_refused(settings, phrase):
     with pytest.raises(CaseError) as caught:
         fluids.check(hawkmoth(*settings))
     assert phrase in str(caught.value)
+
+
+VISCOUS = (
+    "solver=navier_stokes", "fluid.viscosity=4e-4", "navier_stokes.cells=64", "navier_stokes.radius=4.0",
+    "navier_stokes.wall_spacing=0.02", "wing.modes=1", "motion.start_up_periods=1.0", "time.periods=1",
+    "time.steps_per_period=400",
+)  # fmt: skip
+
+
+@ti.kernel
+def profile(stream: Floats2, behind: Floats2, found: Floats2, count: Ints1):
+    for i in range(count[0]):
+        share, integral, slope = viscous.shape(stream, 0, behind[0, i])
+        found[0, i], found[1, i], found[2, i] = share, integral, slope
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_viscous_flow_sees_the_gust_its_integral_and_its_slope(shape):
+    start()
+    case = hawkmoth(f"fluid.gust={shape}", *STREAM)
+    behind = np.linspace(-0.01, 0.05, 6001)
+    found = zeros(ti.f64, 3, len(behind))
+    profile(streams([case], [viscous.PIECES]), array(behind[None]), found, np.array([len(behind)], dtype=np.int32))
+    share, integral, slope = view(found)
+    along = np.array(case.fluid.velocity) / np.hypot(*case.fluid.velocity)
+    exact = gust_velocity(case.fluid, 0.002, *(-along[:, None] * behind))
+    edge = case.wing.chord / viscous.PIECES if shape == "sharp_edged" else 0.0
+    inside = np.abs(behind) >= 0.5 * edge
+    expected = np.hypot(*exact) / 0.5 * np.sign(exact[1] * along[0])
+    np.testing.assert_allclose(share[inside], expected[inside], atol=1e-9)
+    width = behind[1] - behind[0]
+    np.testing.assert_allclose(np.gradient(integral, width)[1:-1], share[1:-1], atol=1e-2)
+    rough = np.abs(np.gradient(slope, width)) > 1e7  # the front of a sinusoid
+    np.testing.assert_allclose(np.gradient(share, width)[~rough][1:-1], slope[~rough][1:-1], atol=0.02 * slope.max())
+    assert integral[np.argmin(np.abs(behind + 0.005))] == 0.0
+
+
+@pytest.mark.slow
+def test_a_viscous_gust_that_covers_all_is_a_stream():
+    """An identity: a bending wing in a stream, and in a slower one with a gust across it that makes up for it."""
+    stream = march(hawkmoth(*VISCOUS, "fluid.velocity=[0.5, 0.1]"))[0]
+    gusty = march(
+        hawkmoth(*VISCOUS, "fluid.velocity=[0.5, 0.0]", "fluid.gust=sharp_edged", "fluid.gust_velocity=0.1",
+                 "fluid.gust_arrival=-10.0")
+    )[0]  # fmt: skip
+    assert len(gusty.force) == 401
+    np.testing.assert_allclose(gusty.force, stream.force, rtol=0, atol=1e-8 * np.abs(stream.force).max())
+    np.testing.assert_allclose(gusty.q, stream.q, rtol=0, atol=1e-8 * np.abs(stream.q).max())

@@ -92,8 +92,6 @@ class Case(Section):
             return self
         if self.fluid.viscosity is None:
             raise needed("fluid.viscosity", "the Navier-Stokes equations need it; air has 1.5e-5 m2/s, water 1e-6 m2/s")
-        if self.fluid.gust != "none":
-            raise ValueError(f'fluid.gust = "{self.fluid.gust}": the Navier-Stokes model has no gusts; leave it out')
         if isinstance(self.wing.span, tuple):
             raise ValueError("wing.span is a table: the Navier-Stokes model is of one section; give a number")
         if self.wing.modes and self.navier_stokes.thickness and self.navier_stokes.thickness < THINNEST:

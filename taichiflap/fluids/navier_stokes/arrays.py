@@ -88,4 +88,5 @@ Arrays = ti.types.argpack(
     contour=Octets3,
     coefficient=Floats3,
     series=Floats3,
+    gust=Floats2,  # see taichiflap.march.stream
 )

@@ -5,12 +5,13 @@ conformal grid; see `docs/theory/navier_stokes.md`.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from ...case.case import Case
 from ...kernels.runtime import Octet, View, ti, view
 from ...march.state import BEFORE, BETA
-from ...motion.sampling import PITCH_RATE
+from ...march.stream import carry_gust
 from ...structure.beam import Modes
 from ..interface import Flow
 from . import tables
@@ -62,13 +63,21 @@ FRICTION_NORMAL, FRICTION_AXIAL, LARGEST_COURANT = range(3)
 """The series, as the model declares them."""
 
 
+@dataclass(frozen=True)
+class Uses:
+    """What of the model some case of a batch needs; the kernel holds nothing else."""
+
+    bending: bool
+    gusts: bool
+
+
 def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any) -> Flow:
     """A batch at its start.
 
     Raises:
         ResolutionError: when the cells of a case cannot resolve its flow.
     """
-    bending = any(section.count for section in sections)
+    used = Uses(any(section.count for section in sections), any(case.fluid.gust != "none" for case in cases))
     groups = {"flow": tables.allocate(cases, sections)}
 
     def reason(b: int, step: int) -> str:
@@ -77,7 +86,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any) -> Flow:
     def failed_map(b: int) -> bool:
         return bool(view(groups["flow"].size)[b, UNMAPPED])
 
-    return Flow(groups, {"flow": Arrays}, prepare, settle, record, record_step, bending, passes=PASSES, reason=reason)
+    return Flow(groups, {"flow": Arrays}, prepare, settle, record, record_step, used, passes=PASSES, reason=reason)
 
 
 def unmapped(case: Case, modes: Modes, q: Any, step: int) -> str:
@@ -91,31 +100,33 @@ def unmapped(case: Case, modes: Modes, q: Any, step: int) -> str:
 
 
 @ti.func
-def prepare(batch: View, b, n, rule, bending: View):
+def prepare(batch: View, b, n, rule, used: View):
     """Modal force of the coming step `n`."""
-    advance(batch.body, batch.flow, b, n, rule, bending)
+    advance(batch.body, batch.flow, b, n, rule, used)
 
 
 @ti.func
-def settle(batch: View, b, n, rule, bending: View):
+def settle(batch: View, b, n, rule, used: View):
     """Complete step `n` with its modal acceleration."""
-    complete(batch.body, batch.flow, b, n, bending)
+    complete(batch.body, batch.flow, b, n, used)
 
 
 @ti.func
-def advance(body: View, flow: View, b, n, rule, bending: View):
+def advance(body: View, flow: View, b, n, rule, used: View):
     """Advance the vorticity by step `n` but for what the modal rates have the wall feed into it; load and response."""
     beta = rule[BETA]
     bends = False
-    if ti.static(bending):
+    if ti.static(used.bending):
         bends = body.modes[b] > 0
     mapped = True
-    if ti.static(bending):
+    if ti.static(used.bending):
         if bends and n > 0:
             mapped = find_map(body, flow, b)
             place_corners(flow, b, n, body.dt[b])
             place_wall(body, flow, b)
-    move_wall(body, flow, b, n)
+    if ti.static(used.gusts):
+        carry_gust(flow.gust, b, n * body.dt[b])
+    move_wall(body, flow, b, n, used)
     if n > 0:
         if n <= 2 or bends:
             respond(flow, b, beta)
@@ -136,10 +147,10 @@ def advance(body: View, flow: View, b, n, rule, bending: View):
 
 
 @ti.func
-def complete(body: View, flow: View, b, n, bending: View):
+def complete(body: View, flow: View, b, n, used: View):
     """With the modal acceleration of step `n` known: vorticity, fluxes and forces."""
     bends = False
-    if ti.static(bending):
+    if ti.static(used.bending):
         bends = body.modes[b] > 0
     tangent = settle_wall(body, flow, b, n)
     if n > 0:
@@ -148,7 +159,7 @@ def complete(body: View, flow: View, b, n, bending: View):
     inner = flow.spectra[b, 0, 0]
     circulation = (0.0 - tangent) - inner[0]
     v_y, v_z, _, _ = pivot(body, flow, b, n)
-    transform_outwards(flow, b, n, v_y, v_z, body.motion[b, n, PITCH_RATE], circulation, bends)
+    transform_outwards(body, flow, b, n, v_y, v_z, circulation, bends, used)
     sum_forces(body, flow, b, n)
     if n == 0:
         # The first step finds its flux without a guess.

@@ -9,7 +9,8 @@ source that is constant in each row, with `E = e^(-k drho)`:
 """
 
 from ...kernels.runtime import View, ti
-from . import fourier
+from ...motion.sampling import PITCH_RATE
+from . import fourier, gust
 from .arrays import (
     BASE,
     HALF,
@@ -101,14 +102,16 @@ def climb(flow: View, b, j, below, above, circulation):
 
 
 @ti.func
-def transform_outwards(flow: View, b, n, v_y, v_z, rate, circulation, bends):
+def transform_outwards(body: View, flow: View, b, n, v_y, v_z, circulation, bends, used: View):
     """Streamfunction at the corners, from the wall's out, and from it the fluxes through the faces, relative to them.
 
-    The faces move with the wing, at the pivot's velocity (v_y, v_z) and the pitch rate, and as the section bends.
+    The faces move with the wing, at the pivot's velocity (v_y, v_z) and the pitch rate, and as the section bends; a
+    gust goes through them too.
     """
     octets, near, base = flow.size[b, OCTETS], flow.size[b, NEAR], flow.size[b, BASE]
     streams = base + STREAMS
-    spin = 0.5 * rate
+    spin = 0.5 * body.motion[b, n, PITCH_RATE]
+    lead, s_y, s_z = gust.front(body, flow, b, n)
     for pair in range((flow.size[b, ROWS] + 2) // 2):
         j = 2 * pair
         if j > 0:
@@ -122,6 +125,9 @@ def transform_outwards(flow: View, b, n, v_y, v_z, rate, circulation, bends):
         )  # fmt: skip
         for face in range(j, j + 2):
             here, below = STREAM_LINES + face % 4, STREAM_LINES + (face + 3) % 4
+            if ti.static(used.gusts):
+                if gust.blows(flow, b):
+                    gust.blow_on_corners(flow, b, face, here, lead, s_y, s_z)
             y, z = flow.corner_y[b, face, octets - 1], flow.corner_z[b, face, octets - 1]
             last = flow.line[b, here, octets - 1] - (v_y * z - v_z * y - spin * (y * y + z * z))
             last_y, last_z = y, z

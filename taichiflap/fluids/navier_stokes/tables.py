@@ -11,10 +11,22 @@ from numpy.typing import NDArray
 from ...case.case import Case
 from ...kernels.arrays import array, octet_array, zeros
 from ...kernels.runtime import Octet
+from ...march.stream import streams
 from ...motion import sampling
-from ...motion.sampling import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE_ACCEL, SURGE_RATE
+from ...motion.gust import gust_velocity
+from ...motion.sampling import (
+    PITCH,
+    PITCH_ACCEL,
+    PITCH_RATE,
+    PLUNGE,
+    PLUNGE_ACCEL,
+    PLUNGE_RATE,
+    SURGE,
+    SURGE_ACCEL,
+    SURGE_RATE,
+)
 from ...structure.beam import Modes
-from . import MODEL, arrays, mapping
+from . import MODEL, arrays, gust, mapping
 from .arrays import LINES, MODAL_LINES, Arrays
 from .fourier import PLAN, Plan
 from .grid import Grid, positions, slopes
@@ -210,24 +222,48 @@ class Given:
         gain = complex(moved[SURGE_ACCEL], moved[PLUNGE_ACCEL]) * turned
         return (velocity, float(moved[PITCH_RATE])), (gain, float(moved[PITCH_ACCEL]))
 
-    def _flux(self, wall: Any, slope: Any, velocity: complex, rate: float, depth: float = 0.0) -> Array:
-        """Vortex sheet over dphi on a wall that has come into motion; `depth`: of the row that it is spread over."""
-        tangent = ((velocity + 1j * rate * wall) * slope.conj()).imag
+    def _flux(
+        self, wall: Any, slope: Any, velocity: complex, rate: float, depth: float = 0.0, wind: Any = 0.0
+    ) -> Array:
+        """Vortex sheet over dphi on a wall that has come into motion.
+
+        Args:
+            depth: of the row that it is spread over.
+            wind: velocity of a gust on the wall.
+        """
+        tangent = ((velocity + 1j * rate * wall - wind) * slope.conj()).imag
         stream = velocity.real * wall.imag - velocity.imag * wall.real - 0.5 * rate * np.abs(wall) ** 2
-        return sheet(tangent, stream, depth)
+        return sheet(tangent, stream - along_wall((wind * slope.conj()).real), depth)
+
+    def _gust(self, wall: Any) -> Any:
+        """Velocity of the gust on the wall at the start, in the wing's axes, chords/s."""
+        moved, chord = sampling.sample(self.case.motion, np.zeros(1))[0], self.case.wing.chord
+        turned = np.exp(1j * moved[PITCH])
+        place = complex(moved[SURGE], moved[PLUNGE]) + chord * wall * turned
+        along_y, along_z = gust_velocity(self.case.fluid, 0.0, place.real, place.imag)
+        return (along_y + 1j * along_z) / turned / chord
 
     def vorticity(self) -> Array:
         """Vorticity of the first row after an impulsive start: the vortex sheet, spread over the row."""
         grid = self.grid
         wall = positions(grid.coefficients, np.zeros(1), grid.centres)[0]
         moving, _ = self._start()
-        spread = self._flux(wall, slopes(grid.coefficients, grid.centres), *moving, grid.drho[0])
+        slope = slopes(grid.coefficients, grid.centres)
+        spread = self._flux(wall, slope, *moving, grid.drho[0], self._gust(wall))
         return spread / grid.drho[0] / grid.area[0]
 
 
 def map_points(thickness: float) -> int:
     """Points of the map of a bending section."""
     return next(points for least, points in MAP_POINTS if thickness >= least)
+
+
+def along_wall(rise: Array) -> Array:
+    """What has this derivative by phi, up to a constant."""
+    k = np.arange(len(rise) // 2 + 1)
+    found = np.fft.rfft(rise) / (1j * np.maximum(k, 1))
+    found[[0, -1]] = 0.0
+    return np.fft.irfft(found, len(rise))
 
 
 def sheet(tangent: Array, stream: Array, depth: float = 0.0) -> Array:
@@ -344,6 +380,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:  # noqa: 
         contour=octet_array(contour),
         coefficient=array(coefficient),
         series=array(series),
+        gust=streams(cases, [gust.PIECES] * count),
     )
 
 

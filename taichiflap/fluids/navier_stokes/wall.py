@@ -20,6 +20,7 @@ from ...motion.sampling import (
     SURGE_ACCEL,
     SURGE_RATE,
 )
+from . import gust
 from .arrays import (
     ACCELERATION,
     BASE,
@@ -84,12 +85,13 @@ def pivot(body: View, flow: View, b, n):
 
 
 @ti.func
-def move_wall(body: View, flow: View, b, n):
+def move_wall(body: View, flow: View, b, n, used: View):
     """Tangential velocity, streamfunction and acceleration of the wall without the modes' own, and those of each
     mode."""
     v_y, v_z, a_y, a_z = pivot(body, flow, b, n)
     rate, gain = body.motion[b, n, PITCH_RATE], body.motion[b, n, PITCH_ACCEL]
     scale = flow.number[b, SCALE]
+    lead, s_y, s_z = gust.front(body, flow, b, n)
     for m in range(flow.size[b, OCTETS]):
         y, z = flow.line[b, WALL_Y, m], flow.line[b, WALL_Z, m]
         g_y, g_z = flow.line[b, SLOPE_Y, m], flow.line[b, SLOPE_Z, m]
@@ -106,6 +108,9 @@ def move_wall(body: View, flow: View, b, n):
         along = a_y - gain * z - (rate * rate) * y - (2.0 * rate) * bending
         across = a_z + gain * y - (rate * rate) * z
         flow.line[b, ACCELERATION, m] = across * g_y - along * g_z
+        if ti.static(used.gusts):
+            if gust.blows(flow, b):
+                gust.blow_on_wall(flow, b, m, lead, s_y, s_z, v_y - rate * z, v_z + rate * y + bending)
 
 
 @ti.func
