@@ -10,12 +10,13 @@ from .. import disk
 from .._version import __version__
 from ..case.case import Case, CaseError
 from ..errors import extra
-from ..kernels.runtime import check_threads
+from ..kernels.runtime import available_threads, check_threads
 from ..maps import file as maps
 from ..maps.design import Design, design
 from ..maps.file import Map, MapError
 from ..maps.outcome import Outcome
 from ..metrics.names import QUANTITIES, choose
+from . import workers
 from .batch import Batch, batches, compute, whole_work
 
 Progress = Callable[[float, int, float], None]
@@ -46,11 +47,16 @@ class Tally:
 
 @dataclass(frozen=True)
 class Spec:
-    """How batches are to be run: what to keep of each case, the threads, and whom to tell the share that is done."""
+    """How batches are to be run: what to keep of each case, the threads, and whom to tell the share that is done.
+
+    Attributes:
+        processes: of this machine, among which they are shared out.
+    """
 
     metrics: list[str]
     keep_series: bool
     threads: int | None
+    processes: int
     progress: Callable[[Batch, float], None]
 
 
@@ -150,7 +156,9 @@ def fill(
                 sheet.record([number], [Outcome(reason=_sentence(error))])
                 tally.add(1, 0.0)
 
-    spec = Spec(sheet.metrics, sheet.keeps_series, 1 if cluster else threads, tally.tell)
+    processes = 1 if cluster else workers.worth(sheet.case, len(pending), threads or available_threads())
+    alone = cluster is None and processes == 1
+    spec = Spec(sheet.metrics, sheet.keeps_series, threads if alone else 1, processes, tally.tell)
     found = sound(batches(sheet.case, sheet.design, pending, spec.threads))
     tally.tell()
     for batch, outcomes in _there(cluster, found, spec) if cluster and len(pending) else here(found, spec):
@@ -160,7 +168,9 @@ def fill(
 
 
 def here(found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outcome]]]:
-    """Run batches in this process, one after the other."""
+    """Run batches in this process, one after the other, or in several."""
+    if spec.processes > 1:
+        yield from workers.shared(found, spec.metrics, spec.keep_series, spec.processes, spec.progress)
     for batch in found:
         tell = functools.partial(spec.progress, batch)
         yield batch, compute(batch.cases, spec.metrics, spec.keep_series, spec.threads, tell)

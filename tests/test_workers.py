@@ -1,0 +1,116 @@
+"""Studies shared out among processes: the same map, whatever becomes of the processes."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import CASES, hawkmoth
+
+import taichiflap
+from taichiflap.errors import UserError
+from taichiflap.maps.file import open_map
+from taichiflap.studies import workers
+
+SHORT = ("solver=dbet", "dbet.added_mass=true", "time.periods=3", "dbet.elements=8")
+VARY = {"fluid.density": "1.0:1.4:6", "motion.pitch.amplitude_deg": "10:60:4"}
+
+
+@pytest.fixture
+def little(monkeypatch):
+    """Few cases are worth a process, and a batch holds but a few."""
+    monkeypatch.setattr(workers, "SHARE", 5)
+    monkeypatch.setattr("taichiflap.studies.batch.BATCH_WORK", 1.0)
+    monkeypatch.setattr("taichiflap.studies.batch.SHARES", 2)
+    monkeypatch.setattr("taichiflap.studies.sweep.available_threads", lambda: 2)
+
+
+def assert_same_maps(first, second):
+    for name in first.data_vars:
+        if name != "reason":
+            np.testing.assert_array_equal(first[name].values, second[name].values, err_msg=name)
+
+
+def test_what_is_worth_a_process(monkeypatch):
+    short, long = hawkmoth("solver=dbet"), hawkmoth()
+    assert workers.worth(short, 10_000, 2) == 2
+    assert workers.worth(short, 2 * workers.SHARE, 64) == 2
+    assert workers.worth(short, 2 * workers.SHARE - 1, 64) == 1
+    assert workers.worth(long, 10_000, 2) == 1
+    monkeypatch.setattr(sys, "executable", "/usr/bin/blender")
+    assert workers.worth(short, 10_000, 2) == 1
+
+
+@pytest.mark.slow
+def test_a_study_in_two_processes_is_that_in_one(tmp_path, little, monkeypatch):
+    case = hawkmoth(*SHORT)
+    shared = []
+    run = workers.shared
+    monkeypatch.setattr(workers, "shared", lambda *how: shared.append(1) or run(*how))
+    two = taichiflap.sweep(case, VARY, tmp_path / "two.h5", keep="series")
+    assert shared
+    one = taichiflap.sweep(case, VARY, tmp_path / "one.h5", keep="series", threads=1)
+    assert len(shared) == 1
+    assert_same_maps(one, two)
+    assert np.all(two.status == 1)
+
+
+class Killed(workers.Worker):
+    """A process that ends at its first batch."""
+
+    def send(self, *what):
+        super().send(*what)
+        self._process.kill()
+
+
+class Failing(workers.Worker):
+    """A process that is told what it cannot do."""
+
+    def send(self, batch, metrics, keep_series):
+        super().send(batch, [[]], keep_series)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [Killed, Failing])
+def test_what_a_process_has_not_done_is_done_here(tmp_path, little, monkeypatch, kind):
+    monkeypatch.setattr(workers, "Worker", kind)
+    two = taichiflap.sweep(hawkmoth(*SHORT), VARY, tmp_path / "two.h5", metrics=["power_mean"])
+    one = taichiflap.sweep(hawkmoth(*SHORT), VARY, metrics=["power_mean"], threads=1)
+    assert_same_maps(one, two)
+
+
+def test_what_fails_here_leaves_no_process(little, monkeypatch):
+    def broken(cases, metrics, *_):
+        raise UserError("as it says")
+
+    begun = []
+    monkeypatch.setattr(workers, "compute", broken)
+    monkeypatch.setattr(workers.Worker, "__enter__", lambda self: begun.append(self) or self)
+    with pytest.raises(UserError, match="as it says"):
+        taichiflap.sweep(hawkmoth(*SHORT), VARY)
+    assert [worker._process.poll() is not None for worker in begun] == [True]
+
+
+SCRIPT = """
+import sys
+sys.path.insert(0, {root!r})
+import taichiflap
+from taichiflap.studies import batch, sweep, workers
+workers.SHARE, batch.BATCH_WORK, batch.SHARES = 5, 1.0, 2
+sweep.available_threads = lambda: 2
+case = taichiflap.load_case({case!r}, {settings!r})
+taichiflap.sweep(case, {vary!r}, {path!r})
+print("done")
+"""
+
+
+@pytest.mark.slow
+def test_a_script_from_standard_input_needs_no_guard(tmp_path):
+    """Its processes import nothing of it."""
+    path, file = tmp_path / "map.h5", str(CASES / "hawkmoth.toml")
+    script = SCRIPT.format(root=str(CASES.parent), case=file, settings=SHORT, vary=VARY, path=str(path))
+    ended = subprocess.run([sys.executable, "-"], input=script, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout == "done\n"
+    with open_map(path) as sheet:
+        assert len(sheet.pending) == 0
