@@ -22,15 +22,16 @@ FLOORS = (
     "studies",
     "plots",
     "validation published",
-    "commands",
+    "commands notebook",
     "__init__",
     "viewer",
     "cli",
     "__main__",
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms.split()}
-AGAINST = {("case", "motion"), ("case", "fluids")}
-"""Imports inside a function: what \"auto\" means asks the motion for its speed, and the fluid model for its step."""
+AGAINST = {("case", "motion"), ("case", "fluids"), *((room, "notebook") for room in ("case", "results", "maps"))}
+"""Imports inside a function: what \"auto\" means asks the motion for its speed, and the fluid model for its step;
+and a notebook asks an object for its picture."""
 
 
 def rooms_imported(file, parts):

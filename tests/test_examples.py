@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+import re
 import runpy
 from pathlib import Path
 
@@ -100,11 +101,26 @@ def test_the_notebook_gives_the_outputs_that_it_shows(tmp_path, monkeypatch):
     cells = json.loads((EXAMPLES / "first_steps.ipynb").read_text(encoding="utf-8"))["cells"]
     space: dict = {}
     shown = printed = ""
+    pictured = 0
     for cell in (cell for cell in cells if cell["cell_type"] == "code"):
+        source = "".join(cell["source"])
         with contextlib.redirect_stdout(io.StringIO()) as out:
-            exec("".join(cell["source"]), space)
+            exec(source, space)
         printed += out.getvalue()
         shown += "".join("".join(output.get("text", "")) for output in cell["outputs"])
+        for page in ("".join(output.get("data", {}).get("text/html", "")) for output in cell["outputs"]):
+            if page:
+                value = space[source.splitlines()[-1]]
+                assert words(page) == words(value._repr_html_())
+                pictured += 1
+    assert space["viewer"].address.startswith("http://127.0.0.1:")
+    space["viewer"].close()
     plt.close("all")
     assert "mm" in shown
     assert printed == shown
+    assert pictured == 3
+
+
+def words(page):
+    """The texts of a page: its picture's places are right to round-off alone."""
+    return re.findall(r">([^<>]+)<", page)

@@ -4,6 +4,8 @@ Conditions are waited for, never times. The scene that a page holds is read from
 """
 
 import contextlib
+import functools
+import http.server
 import io
 import os
 import shutil
@@ -590,6 +592,42 @@ def test_a_click_on_a_map_computes_its_case_and_lands_among_its_sliders(mapped, 
     np.testing.assert_allclose(line[-1, 1, [0, 2]], points[front[-1]][[0, 2]], atol=1e-6)
     assert "no other beats" in legend.inner_text()
     assert [one.name[:2] for one in (path.parent / "map-cases").iterdir()] == ["2-"]
+
+
+@contextlib.contextmanager
+def served(folder):
+    """The address of a folder's files."""
+    handler = functools.partial(QuietHandler, directory=folder)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+        server.shutdown()
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    """Files, and no word about it."""
+
+    def log_message(self, *_):
+        pass
+
+
+def test_a_notebook_shows_the_viewer_or_a_picture_where_there_is_none(browser, folder, tmp_path):
+    with contextlib.ExitStack() as stack:
+        viewer = stack.enter_context(stack.enter_context(taichiflap.open_result(folder / "dbet.h5")).view())
+        living = viewer._repr_html_()
+        with socket.create_server(("127.0.0.1", 0)) as nobody:
+            gone = living.replace(viewer.address, f"http://127.0.0.1:{nobody.getsockname()[1]}/")
+        context = browser.new_context()
+        page = context.new_page()
+        page.set_default_timeout(1e3 * SECONDS)
+        (tmp_path / "notebook.html").write_text(f"<meta charset=utf-8><body>{living}{gone}")
+        page.goto(stack.enter_context(served(tmp_path)) + "/notebook.html")
+        inside = []
+        wait_until(page, lambda: inside.extend(one for one in page.frames if one.url == viewer.address) or inside)
+        inside[0].wait_for_function(f"() => {NODE.format('/wing')}")
+        page.locator("object").nth(1).get_by_text("vertical force", exact=True).wait_for()
+        assert not page.locator("object").first.get_by_text("vertical force", exact=True).is_visible()
+        context.close()
 
 
 def test_a_slider_is_moved_and_the_wing_answers(look):

@@ -299,6 +299,11 @@ class Case(Section):
             opened["motion"] = reopened(opened["motion"], keys, self.origin)
         return {name: opened.get(name, value) for name, value in self if value is not None}
 
+    def _repr_html_(self) -> str:
+        from ..notebook import html  # noqa: PLC0415 - notebooks alone ask for it
+
+        return html.of_case(self)
+
     def to_dict(self) -> dict[str, Any]:
         """The case as plain dictionaries, lists and numbers."""
         return self.model_dump(mode="json", exclude_none=True)

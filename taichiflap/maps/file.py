@@ -87,6 +87,11 @@ class Map:
         if self._lock:
             self._lock.release()
 
+    def _repr_html_(self) -> str:
+        from ..notebook import html  # noqa: PLC0415 - notebooks alone ask for it
+
+        return html.of_map(self)
+
     @property
     def status(self) -> np.ndarray:
         """`TO_DO`, `COMPLETE` or `FAILED` for every case, flat."""

@@ -90,6 +90,23 @@ class Result:
     def __repr__(self) -> str:
         return f"<Result {self.case.title!r}, {self.status}, {self.steps} steps, {self.frames} frames>"
 
+    def _repr_html_(self) -> str:
+        from ..notebook import html  # noqa: PLC0415 - notebooks alone ask for it
+
+        return html.of_result(self)
+
+    def view(self, height: int = 600) -> Any:
+        """The viewer of this result, as the value of a notebook's cell; a picture where no viewer can be reached.
+
+        It runs in a process of its own, which ends with the notebook, or with `close()` of what is returned.
+
+        Args:
+            height: of the viewer, pixels.
+        """
+        from ..notebook.inline import Inline  # noqa: PLC0415 - notebooks alone ask for it
+
+        return Inline(self, height)
+
     def close(self) -> None:
         """Close the file; of a result in memory nothing is left but what was saved."""
         self.file.close()

@@ -1,0 +1,1 @@
+"""How results, cases and maps look in a notebook."""
