@@ -182,13 +182,35 @@ def test_a_page_plays_pauses_and_seeks(opened, lattice):
     page.wait_for_timeout(100)
     assert page.evaluate("now") == held
     before = page.evaluate("stage.toDataURL()")
-    page.fill("#slider", "150")
+    line = page.locator("#line").bounding_box()
+    spot = lambda frame: (line["x"] + 12 + (line["width"] - 24) * frame / 199, line["y"] + 30)  # noqa: E731
+    page.mouse.click(*spot(150))
     assert page.inner_text("#clock") == "beat 3, t/T = 0.50"
     assert page.evaluate("stage.toDataURL()") != before
     index = int(scene.last_beats(lattice, 2)[150])
     assert f"tip {1e3 * lattice.tip_deflection[index]:.2f} mm".replace("-", "−") in page.inner_text("#readout")
-    page.click("#next")
+    page.click("#forth")
     assert page.evaluate("Math.floor(now)") == 151
+    # Reversals of the plunge cos 2 pi t: twice a beat; and the keys of the viewer's timeline.
+    assert page.evaluate("run.reversals") == [0, 50, 100, 150]
+    page.click("#previous")
+    assert page.evaluate("Math.floor(now)") == 150
+    for key, frame in (("ArrowRight", 151), ("Shift+ArrowLeft", 141), ("PageUp", 41), ("End", 199), ("Home", 0)):
+        page.keyboard.press(key)
+        assert page.evaluate("Math.floor(now)") == frame
+    page.keyboard.down("Shift")
+    page.mouse.move(*spot(40))
+    page.mouse.down()
+    page.mouse.move(*spot(90), steps=3)
+    page.mouse.up()
+    page.keyboard.up("Shift")
+    assert page.input_value("#loop") == "range"
+    np.testing.assert_allclose(page.evaluate("loop"), (40, 90), atol=1)
+    page.keyboard.press(" ")
+    wait_until(page, "playing && now > 45 && now < 91")
+    page.keyboard.press(" ")
+    page.select_option("#loop", "all")
+    page.mouse.click(*spot(150))
     page.select_option("#speed", "8")
     assert page.inner_text("#slower") == "200 times slower than life"
     page.click("#play")

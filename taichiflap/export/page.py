@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import files
 from ..drawing import palette, scene
+from ..metrics.summary import reversals
 from ..notation import prefixed
 from ..results.reader import Result
 
@@ -75,6 +76,7 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "stroke": None if way is None else way.tolist(),
         "stream": scene.stream(case),
         "first": frames[0].beats,
+        "reversals": _reversals(result, frames[0].beats, per_beat, len(frames)),
         "per_beat": per_beat,
         "page": shared.page,
         "limit": shared.circulation,
@@ -110,7 +112,14 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         light=_properties(palette.LIGHT),
         dark=_properties(palette.DARK),
         data=json.dumps(data).replace("<", "\\u003c"),
+        timeline=resources.files("taichiflap.drawing").joinpath("timeline.js").read_text(encoding="utf-8"),
     )
+
+
+def _reversals(result: Result, first: float, per_beat: float, count: int) -> list[int]:
+    """Frames of the page at which the stroke reverses, the first being at a time in beats."""
+    found = reversals(result.case, first, first + (count - 1) / per_beat)
+    return [round((float(beats) - first) * per_beat) for beats in found]
 
 
 def _properties(theme: palette.Theme) -> str:
