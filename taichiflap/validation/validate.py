@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from . import elastic, gust, orders, oscillation, start, steady, structure
+from . import elastic, gust, orders, oscillation, separated, start, steady, structure, viscous
 from .checks import Check, Row
 
 Study = Callable[[], Sequence[Check]]
@@ -21,6 +21,8 @@ STUDIES: tuple[tuple[str, Study], ...] = (
     ("vortices", lambda: [structure.vortices()]),
     ("energy", lambda: [structure.energy()]),
     ("convergence", lambda: [orders.convergence()]),
+    ("viscous flow", viscous.checks),
+    ("separated flow", lambda: [separated.separated()]),
 )
 """Studies by the name that a progress line shows."""
 
