@@ -281,12 +281,6 @@ def test_what_separated_flow_is_not_good_for_is_warned_of(settings, said):
     assert said not in " ".join(warnings.warnings(hawkmoth(*SHORT, *settings, "uvlm.leading_edge=attached")))
 
 
-def test_the_reynolds_number_goes_by_the_speed_of_the_pivot():
-    """The hawkmoth's pivot has an amplitude of 20 mm at 25 Hz: a root mean square speed of 2.22 m/s."""
-    assert hawkmoth().reynolds is None
-    assert hawkmoth("fluid.viscosity=1.5e-5").reynolds == pytest.approx(2.2214 * 0.02 / 1.5e-5, rel=1e-3)
-
-
 def test_two_sheets_are_told_apart_in_files_figures_and_the_viewer(tmp_path):
     case = hawkmoth(*SHORT, "wing.modes=1", "uvlm.suction_limit=0.3")
     with taichiflap.simulate(case, tmp_path / "sheds.h5") as result:

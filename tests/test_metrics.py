@@ -5,15 +5,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import hawkmoth
+from conftest import CASES, hawkmoth
 
 import taichiflap
 from taichiflap.case.case import parse_case
 from taichiflap.commands import summary as report
+from taichiflap.march.reference import reference
 from taichiflap.metrics import names as quantities
 from taichiflap.metrics import summary as metrics
 from taichiflap.metrics.beats import settled_beats, whole_beats
-from taichiflap.metrics.coefficients import reference
+from taichiflap.metrics.similarity import Similarity
 from taichiflap.motion import sampling
 from taichiflap.results.variables import VARIABLES
 
@@ -386,6 +387,75 @@ def test_the_reference_point_is_the_middle_of_the_chord():
     assert metrics.summarise(synthetic(still)).lift_coefficient is None
 
 
+def test_in_hover_similarity_is_that_of_the_stroke():
+    """A sinusoidal plunge of 20 mm at 25 Hz without pitch: every number by hand."""
+    case = hawkmoth("time.periods=4", "motion.pitch.amplitude_deg=0.0", "fluid.viscosity=1.5e-5", "body.mass=1.6e-3")
+    made = synthetic(case, force_vertical=lambda t: np.full_like(t, 0.006))
+    summary = metrics.summarise(made)
+    speed = 0.02 * 2.0 * np.pi * 25.0 / np.sqrt(2.0)
+    assert summary.reynolds == pytest.approx(speed * 0.02 / 1.5e-5)
+    assert summary.reduced_frequency == pytest.approx(np.pi * 25.0 * 0.02 / speed)
+    assert summary.pivot_speed == pytest.approx(4.0 * 0.02 * 25.0, rel=1e-4)
+    assert (summary.angle_of_attack_mean, summary.angle_of_attack_rms) == pytest.approx((90.0, 90.0))
+    assert summary.lift_over_weight == pytest.approx(2 * 0.006 / (1.6e-3 * 9.80665))
+    assert summary.strouhal is summary.wing_tip_speed is None
+    lines = " ".join(report._statistics(case, summary))
+    assert "Re 2.96e+03, k 0.707" in lines
+    assert "lift over weight" in lines
+    assert "2 wings under 1.6 g" in lines
+
+
+def test_in_hover_the_angle_of_attack_is_a_right_angle_less_the_pitch():
+    """Pitch in phase with the stroke's velocity: cosine for cosine, so that it is largest where the wing is fastest."""
+    case = hawkmoth(
+        "time.periods=4", "motion.plunge.phase_deg=0.0", "motion.pitch={amplitude_deg=40.0, phase_deg=-90.0}"
+    )
+    summary = metrics.summarise(synthetic(case))
+    phase = 2.0 * np.pi * (np.arange(512) + 0.5) / 512
+    angle = 90.0 - 40.0 * np.abs(np.cos(phase))[np.abs(np.cos(phase)) > 0.05]
+    assert summary.angle_of_attack_mean == pytest.approx(angle.mean(), abs=1e-9)
+    assert summary.angle_of_attack_rms == pytest.approx(np.sqrt(np.mean(angle**2)), abs=1e-9)
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.1])
+def test_in_a_stream_similarity_is_that_of_the_stream(heading):
+    """St counts what the trailing edge travels across the stream, pitch and bending included."""
+    stream = [2.0 * float(np.cos(heading)), 2.0 * float(np.sin(heading))]
+    case = hawkmoth(
+        "time.periods=4", f"fluid.velocity={stream}", "motion.pitch.amplitude_deg=0.0", "motion.plunge.phase_deg=0.0",
+    )  # fmt: skip
+    summary = metrics.summarise(synthetic(case, tip_deflection=lambda t: 0.005 * np.sin(50.0 * np.pi * t)))
+    assert summary.reduced_frequency == pytest.approx(np.pi * 25.0 * 0.02 / 2.0)
+    # Across a stream along Y is Z, which the bent edge moves by 25 mm to either side.
+    assert summary.strouhal == pytest.approx(25.0 * 0.05 * abs(np.cos(heading)) / 2.0, rel=1e-3)
+    assert summary.reynolds is None
+
+
+def test_the_wings_tip_is_as_much_faster_as_it_is_further_out():
+    case = taichiflap.load_case(CASES / "measured_moth.toml")
+    found = Similarity.of(case)
+    assert found.wing_tip_speed == pytest.approx(found.pivot_speed / 0.6)
+    moved = sampling.sample(case.motion, case.beat * np.linspace(5.0, 6.0, 2001))
+    travelled = np.hypot(*np.diff(moved[:, [sampling.PLUNGE, sampling.SURGE]], axis=0).T).sum()
+    assert found.pivot_speed == pytest.approx(travelled * 26.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("settings", [(), ("fluid.velocity=[2.0, 0.5]",)])
+def test_coefficients_over_time_have_the_means_of_the_summary(settings):
+    case = hawkmoth("solver=dbet", "time.periods=4", "time.steps_per_period=100", *settings)
+    with taichiflap.simulate(case) as result:
+        beats = settled_beats(result)
+        summary = metrics.summarise(result, beats)
+        names = ["lift_coefficient", "power_coefficient"]
+        names += ["drag_coefficient", "thrust_coefficient"] if settings else []
+        for name in names:
+            assert getattr(result, name)[beats.frames].mean() == pytest.approx(getattr(summary, name).mean)
+        assert ("thrust_coefficient" in result.variables) == bool(settings)
+        scale = reference(case)
+        np.testing.assert_allclose(result.power_coefficient * scale.power, result.power, rtol=1e-12, atol=1e-15)
+        assert 0.0 <= result.angle_of_attack.min() <= result.angle_of_attack.max() <= np.pi
+
+
 @pytest.mark.parametrize("pivot", [0.0, 0.3, 0.8])
 @pytest.mark.parametrize("stream", [(0.0, 0.0), (1.5, -0.5)])
 def test_what_a_pivoted_wing_lost_goes_by_the_speed_of_its_own_middle(pivot, stream):
@@ -408,6 +478,7 @@ def test_what_a_pivoted_wing_lost_goes_by_the_speed_of_its_own_middle(pivot, str
     ("settings", "lacking", "having"),
     [
         ((), ("lift_mean", "thrust_mean", "propulsive_efficiency", "drag_coefficient_mean"), ("power_mean",)),
+        ((), ("strouhal", "reynolds", "lift_over_weight"), ("reduced_frequency", "pivot_speed")),
         (("fluid.velocity=[1.0, 0.0]",), (), ("lift_mean", "thrust_mean", "propulsive_efficiency")),
         (("fluid.density=0.0",), ("lift_coefficient_mean", "power_coefficient_spread"), ("power_mean",)),
     ],
@@ -418,10 +489,11 @@ def test_metrics_that_a_case_cannot_have_are_not_offered(settings, lacking, havi
     assert set(having) <= set(offered)
     assert not set(lacking) & set(offered)
     for name in lacking:
-        with pytest.raises(quantities.QuantityError, match=f"metric {name}: not defined (in hover|where)"):
+        with pytest.raises(quantities.QuantityError, match=f"metric {name}: not defined (in hover|where|without)"):
             quantities.choose([name], [case])
         # It is offered where another case of the study has it.
-        assert name in quantities.choose((), [case, hawkmoth("fluid.velocity=[1.0, 0.0]")])
+        other = hawkmoth("fluid.velocity=[1.0, 0.0]", "fluid.viscosity=1.5e-5", "body.mass=1.6e-3")
+        assert name in quantities.choose((), [case, other])
 
 
 def test_what_is_defined_nowhere_in_a_summary_is_not_offered_and_the_rest_is():

@@ -76,6 +76,7 @@ def test_every_variable_has_its_frames_and_its_meaning(uvlm_file):
     with taichiflap.open_result(uvlm_file) as result:
         assert len(result.file["wake/y"]) == result.file["wake/count"][...].sum()
         edge = {name for name in VARIABLES if "edge" in name} | {"suction_velocity", "lift", "thrust"}
+        edge |= {"drag_coefficient", "thrust_coefficient"}
         assert set(result.variables) == {"time", *VARIABLES} - {"shear", "wake_far_error", *edge}
         for name in result.variables:
             assert len(getattr(result, name)) == result.frames == 401

@@ -14,6 +14,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from ..errors import UserError
 from ..notation import printable
+from .body import Body
 from .dbet import Dbet
 from .document import DocumentError, check, names_no_file, own_case, read_text, read_toml
 from .fluid import Fluid
@@ -67,6 +68,7 @@ class Case(Section):
     wing: Wing
     motion: Motion
     fluid: Fluid = section(Fluid)
+    body: Body = section(Body)
     dbet: Dbet = section(Dbet)
     uvlm: Uvlm = section(Uvlm)
     navier_stokes: NavierStokes = section(NavierStokes)
@@ -110,10 +112,9 @@ class Case(Section):
 
             if problem := measured.problem(frequency) or angles.problem(measured, frequency):
                 raise ValueError(f"motion.measured: {problem}")
-            span = self.wing.span if isinstance(self.wing.span, float) else max(value for _, value in self.wing.span)
             # What follows from the angles is not among the keys that were given.
             moved = self.motion.model_copy()
-            moved.__dict__.update(angles.travels(measured, frequency, span))
+            moved.__dict__.update(angles.travels(measured, frequency, self.wing.widest))
             self.__dict__["motion"] = moved
         return self
 
@@ -191,17 +192,6 @@ class Case(Section):
         As given, or the root mean square of the rigid leading edge's speed relative to the stream.
         """
         return self.uvlm.reference_speed or self._leading_edge_speed
-
-    @property
-    def reynolds(self) -> float | None:
-        """Reynolds number of the chord and the root mean square speed of the pivot relative to the stream.
-
-        That of the trailing edge where the pivot rests; None without a viscosity.
-        """
-        if self.fluid.viscosity is None:
-            return None
-        speed = self._edge_speed(0.0) or self._edge_speed(1.0 - self.wing.pivot)
-        return speed * self.wing.chord / self.fluid.viscosity
 
     @cached_property
     def _leading_edge_speed(self) -> float:

@@ -81,6 +81,10 @@ class Measured(Section):
     )
     smooth: int = key(8, text="harmonics kept of every angle", ge=1, le=100)
 
+    def from_hinge(self, span: float) -> float:
+        """Distance of the section from the hinge, m, of a wing whose span (m) is this at its widest."""
+        return self.radius if self.radius is not None else (self.radius_share or 0.0) * span
+
     @property
     def clock(self) -> str:
         """What its times are counted in."""

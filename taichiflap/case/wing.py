@@ -104,6 +104,11 @@ class Wing(Section):
     )
     point_masses: PointMasses = key((), text="masses fixed to the section: s and kg of each", example=((0.5, 2e-6),))
 
+    @property
+    def widest(self) -> float:
+        """The largest span, m."""
+        return self.span if isinstance(self.span, float) else max(value for _, value in self.span)
+
     @field_validator("damping_ratio")
     @classmethod
     def _one_per_mode(cls, value: Any, info: ValidationInfo) -> Any:

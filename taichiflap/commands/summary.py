@@ -100,9 +100,8 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     yield _line("mechanical power", power.shown(summary.power))
     yield _line("  against the fluid", power.shown(summary.power_aerodynamic))
     yield _line("  positive part alone", power.shown(summary.power_positive))
-    if summary.propulsive_efficiency is not None:
-        yield _line("propulsive efficiency", f"{summary.propulsive_efficiency:.4g}")
     yield from _coefficients(case, summary)
+    yield from _economy(case, summary)
     if summary.wake_lost:
         yield _line("wake left out", f"about {100 * summary.wake_lost:.2g} % of the wing's speed, and of the forces")
     if summary.wake_far_error is not None:
@@ -149,6 +148,7 @@ class _Unit:
 
 
 def _coefficients(case: Case, summary: Summary) -> Iterator[str]:
+    """Coefficients with what they are made with, and the numbers that say which flows are alike."""
     named = {
         "C_L": summary.lift_coefficient, "C_D": summary.drag_coefficient, "C_T": summary.thrust_coefficient,
         "C_P": summary.power_coefficient,
@@ -157,16 +157,37 @@ def _coefficients(case: Case, summary: Summary) -> Iterator[str]:
     if known:
         speed = f"{summary.reference_speed:.4g} m/s, {'the stream' if case.fluid.streams else 'rms at mid-chord'}"
         yield _line("coefficients", ", ".join(known))
-        yield _line("  reference", f"{speed}; {summary.reference_area:.4g} m2, chord times span")
+        yield _line("  reference", f"U = {speed}; S = {summary.reference_area:.4g} m2, chord times span")
+    alike = {"Re": summary.reynolds, "k": summary.reduced_frequency, "St": summary.strouhal}
+    if found := [f"{name} {value:.3g}" for name, value in alike.items() if value is not None]:
+        yield _line("similarity", ", ".join(found))
+    if summary.angle_of_attack_mean is not None:
+        yield _line(
+            "angle of attack",
+            f"mean {summary.angle_of_attack_mean:.3g} deg, rms {summary.angle_of_attack_rms:.3g} deg, geometric",
+        )
+    if summary.wing_tip_speed is not None:
+        yield _line("mean wing tip speed", f"U_tip = {summary.wing_tip_speed:.3g} m/s")
+
+
+def _economy(case: Case, summary: Summary) -> Iterator[str]:
+    """What the force costs, and whether it carries the body."""
+    if summary.propulsive_efficiency is not None:
+        yield _line("propulsive efficiency", f"{summary.propulsive_efficiency:.4g}")
+    lift = summary.lift or summary.force_vertical
+    if lift.mean > 0.0 and summary.power.mean > 0.0:
+        yield _line("power loading", f"{lift.mean / summary.power.mean:.3g} N/W")
+    if summary.lift_over_weight is not None and case.body.mass:
+        factor, unit = prefixed(1e3 * case.body.mass, "g")
+        mass = f"{factor * 1e3 * case.body.mass:g} {unit}"
+        wings = f"{case.body.wings} wings" if case.body.wings > 1 else "1 wing"
+        yield _line("lift over weight", f"{summary.lift_over_weight:.3g}, {wings} under {mass}")
 
 
 def _model(case: Case) -> str:
     model = fluids.known(case.solver)
     settings = [case.model, *(model.settings(case) if model else [])]
-    fluid = [f"fluid {case.fluid.density:g} kg/m3"]
-    if case.reynolds is not None:
-        fluid.append(f"Reynolds number {case.reynolds:.3g}")
-    return ", ".join([*settings, *fluid])
+    return ", ".join([*settings, f"fluid {case.fluid.density:g} kg/m3"])
 
 
 def _wing(case: Case, result: Result) -> str:

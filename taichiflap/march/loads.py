@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..case.case import Case
+from ..motion.attack import angle_of_attack
 from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
 from ..motion.stream import in_stream
 from ..structure.beam import Modes
+from .reference import reference
 from .state import ACCEL, AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
 
 Array = NDArray[np.float64]
@@ -102,7 +104,24 @@ def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.nd
         "power_inertial": inertial,
         "power_net": inertial + by_fluid - damped,
         "energy": mechanical_energy(section, moved.T, state),
+        "angle_of_attack": angle_of_attack(case.fluid.velocity, moved.T),
+        **_coefficients(case, {"force_vertical": -force_y, **streaming, "power": aerodynamic + inertial}),
     }
+
+
+def _coefficients(case: Case, series: dict[str, Array]) -> dict[str, Array]:
+    """Coefficients of the lift (in hover of the vertical force), drag, thrust and power; none where nothing moves."""
+    scale = reference(case)
+    if not scale.force:
+        return {}
+    found = {
+        "lift_coefficient": series.get("lift", series["force_vertical"]) / scale.force,
+        "power_coefficient": series["power"] / scale.power,
+    }
+    if "thrust" in series:
+        thrust = series["thrust"] / scale.force
+        found |= {"drag_coefficient": -thrust, "thrust_coefficient": thrust}
+    return found
 
 
 def _elastic_powers(section: Modes, state: Array, modal_force: Array) -> tuple[Array, Array]:

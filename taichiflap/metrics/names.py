@@ -13,8 +13,9 @@ from typing import Any
 
 from ..case.case import Case
 from ..errors import UserError
+from ..march.reference import reference
 from ..results.variables import VARIABLES, Variable
-from .coefficients import reference
+from .similarity import Similarity
 from .summary import ORDERS, WAVING, Statistic, Summary, summarise
 
 OF_FILM = ("circulation", "wake_")
@@ -30,15 +31,22 @@ POWER = "power_mean"
 GAINS = {"lift_mean", "thrust_mean", "force_vertical_mean"}
 """What is weighed against the power."""
 
-STREAM, BEAT, SPEED, FLUID = (
+STREAM, BEAT, SPEED, FLUID, VISCOSITY, MASS, RADIUS, PIVOT = (
     "in hover: it needs a free stream, fluid.velocity; the vertical force is force_vertical_mean",
     "where nothing repeats: it needs motion.frequency",
     "where nothing moves: it needs a stream, or a motion of the middle of the chord",
     "where fluid.density is zero",
+    "without a viscosity: it needs fluid.viscosity",
+    "without a weight: it needs body.mass",
+    "where the section's radius is not known: it needs motion.measured",
+    "where the pivot rests in the fluid",
 )
 """Where a metric is not defined."""
-OF_STREAM = ("lift_mean", "lift_spread", "thrust_", "drag_", "propulsive_")
-OF_BEATS = ("settled", "force_drift", "force_normal_phase", *(f"{name}_harmonic" for name in WAVING))
+OF_STREAM = ("lift_mean", "lift_spread", "thrust_", "drag_", "propulsive_", "strouhal")
+OF_BEATS = (
+    "settled", "force_drift", "force_normal_phase", "reduced_frequency", "strouhal",
+    *(f"{name}_harmonic" for name in WAVING),
+)  # fmt: skip
 OF_SPEED = ("lift_coefficient", "power_coefficient")
 """How the names of metrics begin that are not defined there."""
 
@@ -100,6 +108,17 @@ def undefined(case: Case) -> dict[str, str]:
         lacking |= _beginning(OF_STREAM, STREAM)
     if not case.periodic:
         lacking |= _beginning(OF_BEATS, BEAT)
+    if not scale.speed:
+        lacking.setdefault("reduced_frequency", SPEED)
+    alike = Similarity.of(case)
+    if alike.reynolds is None:
+        lacking["reynolds"] = VISCOSITY
+    if case.body.mass is None:
+        lacking["lift_over_weight"] = MASS
+    if alike.wing_tip_speed is None:
+        lacking["wing_tip_speed"] = RADIUS
+    if alike.angle_of_attack_mean is None:
+        lacking |= _beginning(("angle_of_attack",), PIVOT)
     return lacking
 
 

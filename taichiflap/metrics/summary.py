@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..case.motion import Travel
+from ..march.reference import reference
 from ..motion import sampling
 from ..motion.stream import in_stream
 from ..results.reader import Result
 from .beats import Beats, settled_beats
-from .coefficients import reference
+from .similarity import Similarity
 
 REPEATS_WITHIN = 0.01
 """A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
@@ -26,6 +27,8 @@ RESOLVED = 1e-12
 """Two times (beats) that are closer are one."""
 FIRST_MODE = 0.25
 """Mean over the chord of the square of a clamped plate's first mode, that of the tip being 1."""
+GRAVITY = 9.80665
+"""Standard acceleration of gravity, m/s2."""
 MEANS = (
     "force_vertical", "force_vertical_normal", "force_normal", "force_axial", "force_y", "force_z", "moment",
     "tip_deflection", "power", "power_aerodynamic", "power_inertial",
@@ -74,13 +77,18 @@ class Summary:
         force_normal, force_axial, force_y, force_z, moment, tip_deflection: means of these variables.
         lift, thrust: mean force across a free stream, a quarter turn counter-clockwise from it (along Z for one along
             Y), and against it; None without a stream.
-        reference_speed, reference_area: what coefficients are made with, see `metrics.coefficients`.
+        reference_speed, reference_area: what coefficients are made with, see `march.reference`.
         lift_coefficient: of the lift, or of the vertical force in hover; force over `rho U^2 S / 2`. None where the
             reference speed or the density is zero.
         drag_coefficient, thrust_coefficient: of the force along the stream and against it; None without a stream.
         power_coefficient: mean power over `rho U^3 S / 2`.
         propulsive_efficiency: thrust times the stream's speed over the power; None without a stream, or where the
             actuator spends nothing.
+        lift_over_weight: vertical force of all wings over the weight that they carry; None without `body.mass`.
+        reynolds, reduced_frequency, pivot_speed, wing_tip_speed, angle_of_attack_mean, angle_of_attack_rms: see
+            `metrics.similarity`.
+        strouhal: frequency times the extent of the bent wing's trailing edge across the stream over the stream's speed;
+            None without a stream, or where nothing repeats.
         force_normal_peak: largest magnitude of the normal force.
         force_normal_phase: phase advance of its first harmonic over that of the plunge (of the pitch, if the
             wing does not plunge), degrees in (-180, 180]; None if the wing does neither.
@@ -122,6 +130,14 @@ class Summary:
     thrust_coefficient: Annotated[Statistic | None, "1"]
     power_coefficient: Annotated[Statistic | None, "1"]
     propulsive_efficiency: Annotated[float | None, "1"]
+    lift_over_weight: Annotated[float | None, "1"]
+    reynolds: Annotated[float | None, "1"]
+    reduced_frequency: Annotated[float | None, "1"]
+    strouhal: Annotated[float | None, "1"]
+    pivot_speed: Annotated[float, "m s-1"]
+    wing_tip_speed: Annotated[float | None, "m s-1"]
+    angle_of_attack_mean: Annotated[float | None, "degree"]
+    angle_of_attack_rms: Annotated[float | None, "degree"]
     force_normal_peak: Annotated[Statistic, "N"]
     force_normal_phase: Annotated[float | None, "degree"]
     moment: Annotated[Statistic, "N m"]
@@ -167,8 +183,11 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
     return Summary(
         **found,
         **_coefficients(case, lift or found["force_vertical"], thrust, found["power"]),
+        **vars(Similarity.of(case)),
         lift=lift,
         thrust=thrust,
+        lift_over_weight=_over_weight(case, found["force_vertical"].mean),
+        strouhal=_strouhal(case, time, tip, beats.frames),
         beats=len(beats),
         settled=len(beats) >= FEWEST_BEATS and max(drift, spread) <= REPEATS_WITHIN if case.periodic else None,
         force_drift=drift,
@@ -198,6 +217,25 @@ def _coefficients(case: Case, lift: Statistic, thrust: Statistic | None, power: 
         "reference_speed": scale.speed,
         "reference_area": scale.area,
     }
+
+
+def _over_weight(case: Case, lift: float) -> float | None:
+    """See `Summary.lift_over_weight`."""
+    body = case.body
+    return body.wings * lift / (body.mass * GRAVITY) if body.mass else None
+
+
+def _strouhal(case: Case, time: Array, tip: Array, frames: slice) -> float | None:
+    """See `Summary.strouhal`."""
+    if not (case.periodic and case.motion.frequency and case.fluid.streams):
+        return None
+    moved = sampling.sample(case.motion, time[frames])
+    cosine, sine = np.cos(moved[:, sampling.PITCH]), np.sin(moved[:, sampling.PITCH])
+    behind = (1.0 - case.wing.pivot) * case.wing.chord
+    y = moved[:, sampling.SURGE] + behind * cosine - tip[frames] * sine
+    z = moved[:, sampling.PLUNGE] + behind * sine + tip[frames] * cosine
+    across, _ = in_stream(case, y, z)
+    return float(case.motion.frequency * np.ptp(across) / math.hypot(*case.fluid.velocity))
 
 
 def _force_coefficient(result: Result, frames: slice) -> float | None:

@@ -78,11 +78,10 @@ def travels(measured: Measured, frequency: float, span: float) -> dict[str, Any]
         frequency: Hz.
         span: wing.span, m, of which the radius may be a share.
     """
-    radius = measured.radius if measured.radius is not None else (measured.radius_share or 0.0) * span
     stroke, deviation, rotation = (_harmonics(fit.series) for fit in fits(measured, frequency).values())
     cosine, sine = _direction(measured.stroke_plane_deg)
     across = 1.0 if measured.side == "right" else -1.0
-    arc = math.radians(radius)
+    arc = math.radians(measured.from_hinge(span))
     lean = _sum((-across, rotation), (-across, {0: complex(measured.stroke_plane_deg)}))
     return {
         "plunge": _plunge(_sum((across * arc * cosine, stroke), (across * arc * sine, deviation))),

@@ -14,7 +14,8 @@ from .. import files
 from ..case.case import Case
 from ..drawing import palette, scene
 from ..motion import sampling
-from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
+from ..motion.attack import angle_of_attack, speeds, tells
+from ..motion.sampling import PITCH, PLUNGE, PLUNGE_RATE, SURGE
 from ..notation import prefixed, printable
 from . import formats
 from .result import STYLE, WIDTH
@@ -24,8 +25,6 @@ Array = NDArray[np.float64]
 CHORDS = 24
 """Chord lines of a beat."""
 TIMES = 721
-SLOW = 0.05
-"""Share of the largest speed below which a direction of motion, and so an angle of attack, says nothing."""
 MARGIN = 0.6
 """Free space around the path, chords."""
 ARROW = 0.9
@@ -53,7 +52,9 @@ def preview(case: Case) -> Figure:
     """
     times, turns, label = _instants(case)
     moved = sampling.sample(case.motion, times)
-    attack, speed, tip = angle_of_attack(case, moved), *speeds(case, moved)
+    stream = case.fluid.velocity
+    attack = np.where(tells(stream, moved), np.degrees(angle_of_attack(stream, moved)), np.nan)
+    speed, tip = speeds(stream, (1.0 - case.wing.pivot) * case.wing.chord, moved)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
         grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1.0))
@@ -81,36 +82,6 @@ def preview(case: Case) -> Figure:
             ax.tick_params(labelbottom=False)
         figure.suptitle(_title(case, attack, tip), fontsize=8.5, x=0.01, ha="left")
     return figure
-
-
-def angle_of_attack(case: Case, moved: Array) -> Array:
-    """Angle (deg) between the chord and the pivot's motion through the fluid, 0 where the leading edge goes first.
-
-    In hover, without surge, it is 90 deg less the size of the pitch. Not a number where the pivot hardly moves.
-
-    Args:
-        moved: motion as `sampling.sample` returns it.
-    """
-    along_y, along_z = _through_the_fluid(case, moved)
-    speed = np.hypot(along_y, along_z)
-    ahead = -(along_y * np.cos(moved[:, PITCH]) + along_z * np.sin(moved[:, PITCH]))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        angle = np.degrees(np.arccos(np.clip(ahead / speed, -1.0, 1.0)))
-    return np.where(speed > SLOW * speed.max(initial=0.0), angle, np.nan)
-
-
-def speeds(case: Case, moved: Array) -> tuple[Array, Array]:
-    """Speeds (m/s) of the pivot and of a rigid wing's trailing edge through the fluid."""
-    along_y, along_z = _through_the_fluid(case, moved)
-    turning = (1.0 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
-    tip_y = along_y - turning * np.sin(moved[:, PITCH])
-    tip_z = along_z + turning * np.cos(moved[:, PITCH])
-    return np.hypot(along_y, along_z), np.hypot(tip_y, tip_z)
-
-
-def _through_the_fluid(case: Case, moved: Array) -> tuple[Array, Array]:
-    stream_y, stream_z = case.fluid.velocity
-    return moved[:, SURGE_RATE] - stream_y, moved[:, PLUNGE_RATE] - stream_z
 
 
 def _instants(case: Case) -> tuple[Array, Array, str]:

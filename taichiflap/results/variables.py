@@ -82,6 +82,17 @@ VARIABLES = {
         "the rate of energy, but for the error of the time step",
     ),
     "energy": Variable(("time",), "J", "kinetic and elastic energy of the wing", "E"),
+    "angle_of_attack": Variable(
+        ("time",), "rad", "geometric angle of attack: of the chord to the pivot's motion through the fluid", "alpha",
+        "0 with the leading edge first, up to pi; in hover a right angle less the size of the pitch",
+    ),
+    "lift_coefficient": Variable(
+        ("time",), "1", "lift, in hover vertical force, over rho U^2 S / 2", "C_L",
+        "U and S are the file's reference_speed and reference_area; so in the others",
+    ),
+    "drag_coefficient": Variable(("time",), "1", "force along the free stream over rho U^2 S / 2", "C_D"),
+    "thrust_coefficient": Variable(("time",), "1", "force against the free stream over rho U^2 S / 2", "C_T"),
+    "power_coefficient": Variable(("time",), "1", "mechanical power over rho U^3 S / 2", "C_P"),
     "circulation": Variable(("time",), "m2 s-1", "total bound circulation", "Gamma", _SPIN),
     "suction_velocity": Variable(
         ("time",), "m s-1", "suction velocity at the leading edge", "A",

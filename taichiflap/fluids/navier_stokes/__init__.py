@@ -98,7 +98,7 @@ class NavierStokes(Model):
     def settings(self, case: Case) -> list[str]:
         found = settings(case)
         rows = found.grid(case.wing.pivot).rows
-        return [f"{rows} x {found.cells} cells", f"Reynolds number {found.reynolds:.3g}"]
+        return [f"{rows} x {found.cells} cells"]
 
     def refinements(self, case: Case) -> list[Refinement]:
         return [Refinement("navier_stokes.cells", settings(case).cells)]

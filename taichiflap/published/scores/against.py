@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...case.case import Case
+from ...march.reference import reference
 from ...metrics.beats import settled_beats
-from ...metrics.coefficients import reference
 from ...motion.stream import in_stream
 from ...results.reader import Result
 from ...run.blocks import simulate

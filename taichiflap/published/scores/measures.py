@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...metrics.coefficients import reference
+from ...march.reference import reference
 from ...motion.stream import in_stream
 from ...results.reader import Result
 
