@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import taichiflap
 from taichiflap.plots import maps as map_plots
-from taichiflap.plots.result import STYLE
+from taichiflap.plots.style import HOUSE
 
 CASE = Path(__file__).parent.parent / "cases" / "hawkmoth.toml"
 MODULUS, PITCH = "wing.youngs_modulus", "motion.pitch.amplitude_deg"
@@ -53,7 +53,7 @@ def agreement(chart: xarray.Dataset, metric: str) -> xarray.DataArray:
 
 def draw(chart: xarray.Dataset) -> Figure:
     """UVLM over DBET for each compared metric; what agrees is left white."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(HOUSE):
         figure = Figure((7.1, 2.5), layout="constrained")
         axes = figure.subplots(1, len(COMPARED), sharey=True)
         for ax, (metric, label) in zip(axes, COMPARED.items(), strict=True):

@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 
 import taichiflap
 from taichiflap.case import shipped
+from taichiflap.plots.style import HOUSE
 
 
 def compute(*settings):
@@ -24,6 +25,7 @@ def gain(results):
 
 
 def draw(path):
+    plt.style.use(HOUSE)
     results = compute()
     figure, (top, bottom) = plt.subplots(2, figsize=(6, 5), sharex=True, layout="constrained")
     for result, name in zip(results, ("flexible", "rigid"), strict=True):

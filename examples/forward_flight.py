@@ -11,6 +11,7 @@ import numpy as np
 
 import taichiflap
 from taichiflap.case.case import parse_case
+from taichiflap.plots.style import HOUSE
 from taichiflap.theory import mean_thrust
 
 CHORD, SPAN, SPEED, PLUNGE = 0.1, 0.4, 0.5, 0.02
@@ -36,6 +37,7 @@ def compute(frequencies=FREQUENCIES, steps=80):
 
 
 def draw(path):
+    plt.style.use(HOUSE)
     fine = np.linspace(0.01, 1.05, 100)
     figure, ax = plt.subplots(figsize=(6, 3.5), layout="constrained")
     ax.plot(fine, [mean_thrust(k, plunge=1.0) for k in fine], color="0.6", linewidth=4, label="Garrick")

@@ -16,7 +16,7 @@ import taichiflap
 from taichiflap.case.case import parse_case
 from taichiflap.drawing import palette
 from taichiflap.motion import sampling
-from taichiflap.plots.result import STYLE
+from taichiflap.plots.style import HOUSE
 
 PITCH = 35.0
 """Of the wing that is drawn, degrees."""
@@ -53,7 +53,7 @@ def draw():
     leading, trailing, velocity = pose()
     along = trailing - leading
     normal = np.array([-along[1], along[0]])  # e_z is e_y turned by 90 degrees, counter-clockwise on the page too
-    with mpl.rc_context(STYLE | {"text.parse_math": True}):
+    with mpl.rc_context(HOUSE | {"text.parse_math": True}):
         figure = Figure(figsize=(6.4, 3.9), layout="constrained")
         ax = figure.subplots()
         ax.axis("off")
@@ -91,6 +91,6 @@ def draw():
 
 if __name__ == "__main__":
     out = sys.argv[1]
-    with mpl.rc_context(STYLE | {"text.parse_math": True}):
+    with mpl.rc_context(HOUSE | {"text.parse_math": True}):
         draw().savefig(out, metadata={"Date": None} if out.endswith("svg") else None, dpi=200)
     print(f"{out} written, taichiflap {taichiflap.__version__}")

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import taichiflap
+from taichiflap.plots.style import HOUSE
 from taichiflap.structure import beam
 
 CASE = Path(__file__).parent.parent / "cases" / "graded_wing.toml"
@@ -65,6 +66,8 @@ def draw(path):
         ax.set_xlabel("first natural frequency over flapping frequency")
     axes[0, 0].legend(title="stiffness, trailing over leading edge", fontsize=8, title_fontsize=8)
     figure.savefig(path)
+
+    plt.style.use(HOUSE)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import numpy as np
 
 import taichiflap
 from taichiflap.case import shipped
+from taichiflap.plots.style import HOUSE
 
 STROKE = (
     'motion.plunge={ kind = "triangle", amplitude = 0.02, phase_deg = 90.0, sharpness = 0.9 }',
@@ -25,6 +26,7 @@ def compute(*settings):
 
 
 def draw(path):
+    plt.style.use(HOUSE)
     result = compute()
     beat = round(result.case.steps_per_beat)
     figure, axes = plt.subplots(1, 2, figsize=(9, 3), layout="constrained", width_ratios=(2, 1))

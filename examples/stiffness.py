@@ -10,6 +10,7 @@ import numpy as np
 
 import taichiflap
 from taichiflap.case import shipped
+from taichiflap.plots.style import HOUSE
 
 MODULI = np.geomspace(12e9, 120e9, 60)
 
@@ -24,6 +25,7 @@ def compute(moduli=MODULI):
 
 
 def draw(path):
+    plt.style.use(HOUSE)
     tips, economy = compute()
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.2), layout="constrained")
     left.plot(MODULI / 1e9, 1e3 * tips)

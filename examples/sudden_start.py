@@ -11,6 +11,7 @@ import numpy as np
 
 import taichiflap
 from taichiflap.case.case import parse_case
+from taichiflap.plots.style import HOUSE
 from taichiflap.theory import wagner
 
 CHORD, SPEED, ANGLE = 0.1, 1.0, 1.0
@@ -32,6 +33,7 @@ def compute(chords=10.0, step=0.05):
 
 
 def draw(path):
+    plt.style.use(HOUSE)
     s, lift = compute()
     figure, ax = plt.subplots(figsize=(6, 3.5), layout="constrained")
     ax.plot(s, [wagner(one) for one in s], color="0.6", linewidth=4, label="Wagner")

@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 
 import taichiflap
 from taichiflap.case.case import parse_case
+from taichiflap.plots.style import HOUSE
 
 MODELS = {"uvlm": ("UVLM", "-"), "module:theodorsen": ("Theodorsen", "--"), "dbet": ("DBET", "-")}
 """Name and line of each."""
@@ -26,6 +27,7 @@ def compute():
 
 
 def draw(path):
+    plt.style.use(HOUSE)
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.2), layout="constrained")
     for result, (name, line) in zip(compute(), MODELS.values(), strict=True):
         beat = slice(-101, None)

@@ -212,13 +212,23 @@ def plot(
         float | None,
         typer.Option(min=60.0, max=400.0, metavar="MM", help="width of a result's figures  [default: 180]"),
     ] = None,
+    metric: Annotated[
+        list[str] | None,
+        typer.Option("--metric", metavar="NAME", help="series of results, or metric of a map, to draw; repeatable"),
+    ] = None,
+    beats: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="last beats of results to draw  [default: 1]")
+    ] = None,
+    style: Annotated[
+        str | None, typer.Option(metavar="NAME|FILE", help="a style of matplotlib's, or a .mplstyle file")
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing figures")] = False,
     whole: Annotated[
         bool, typer.Option("--whole", help="of a map, no grey for cases for which the model does not hold")
     ] = False,
     sheets: Annotated[bool, typer.Option("--sheets", help="colour the wake by the edge that shed it")] = False,
 ) -> None:
-    """Draw for print: the last beat of one result or several, and the wing of each; or a map."""
+    """Draw for print: the last beats of one result or several, and the wing of each; or a map."""
     from contextlib import ExitStack
 
     from .maps.file import is_map, open_map
@@ -227,16 +237,21 @@ def plot(
     if len(files) == 1 and is_map(files[0]):
         from .plots import maps as map_plots
 
+        if width or beats or sheets:
+            raise UserError("--width, --beats and --sheets are for results, not for a map")
         with open_map(files[0]) as sheet:
-            for path in map_plots.plot(sheet, output, overwrite, whole):
+            for path in map_plots.plot(sheet, output, overwrite, whole, metrics=metric or (), look=style):
                 print(f"{path} written")
         return
     with ExitStack() as stack:
         results = [stack.enter_context(open_result(path)) for path in files]
-        from .plots.result import WIDTH
         from .plots.result import plot as draw
+        from .plots.style import WIDTH
 
-        for path in draw(results, output, overwrite, sheets, width=width / 25.4 if width else WIDTH):
+        wide = width / 25.4 if width else WIDTH
+        for path in draw(
+            results, output, overwrite, sheets, width=wide, metrics=metric or (), beats=beats or 1, look=style
+        ):
             print(f"{path} written")
 
 

@@ -20,6 +20,7 @@ from taichiflap.errors import UserError
 from taichiflap.metrics import summary as metrics
 from taichiflap.metrics.beats import Beats
 from taichiflap.plots import result as plots
+from taichiflap.plots import style
 
 pytestmark = pytest.mark.slow
 
@@ -91,6 +92,34 @@ def test_results_of_one_title_are_told_apart_by_their_files(lattice, tmp_path):
     other = taichiflap.simulate(lattice.case, tmp_path / "again.h5")
     names = [text.get_text() for text in plots.summary([lattice, other]).legends[0].get_texts()]
     assert ("lattice" in names[0], "again" in names[1]) == (True, True)
+
+
+def test_chosen_series_over_some_beats_in_another_style(lattice, blades, tmp_path):
+    names = ["lift_coefficient", "angle_of_attack", "power"]
+    (tmp_path / "journal.mplstyle").write_text("axes.labelsize: 11\nlines.linestyle: --\n")
+    with style.using(str(tmp_path / "journal.mplstyle")):
+        figure = plots.summary([lattice, blades], metrics=names, beats=9)
+    assert [ax.get_ylabel() for ax in figure.axes] == [
+        "Lift coefficient",
+        "Angle of attack (deg)",
+        "Power (mW)",
+    ]
+    assert figure.axes[0].yaxis.label.get_size() == 11
+    assert figure.axes[-1].get_xlim() == (0.0, 2.0)  # of nine beats there are two
+    assert figure.axes[-1].get_xlabel() == "Time in the last 2 beats, t/T"
+    for ax, name, factor in zip(figure.axes, names, (1.0, 180.0 / np.pi, 1e3), strict=True):
+        first, second = (line.get_ydata() for line in ax.lines if len(line.get_ydata()) > 2)
+        np.testing.assert_allclose(first, factor * getattr(lattice, name))
+        np.testing.assert_allclose(second, factor * getattr(blades, name))
+    assert plots.summary([lattice]).axes[0].yaxis.label.get_size() == 8  # the style is taken off again
+    for words, said in (
+        (["--metric", "lift_coeficient"], "not a series of .*; did you mean lift_coefficient?"),
+        (["--style", "ggplt"], "--style ggplt: no such style; did you mean ggplot?"),
+        (["--style", "absent.mplstyle"], "no such style; give a .mplstyle file"),
+    ):
+        with pytest.raises(UserError, match=said):
+            cli.app(["plot", str(lattice.path), *words, "-o", str(tmp_path / "bad")], standalone_mode=False)
+    assert not list(tmp_path.glob("bad*"))
 
 
 def test_the_wing_figure_holds_the_wake_at_its_instants(lattice):

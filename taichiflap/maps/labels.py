@@ -34,7 +34,7 @@ LABELS = {
 
 GROUPS = {
     "Harmonics": ("_harmonic",),
-    "Coefficients": ("_coefficient",),
+    "Coefficients": ("_coefficient", "reynolds", "strouhal", "reduced_frequency", "over_weight"),
     "Power": ("power", "efficiency", "energy"),
     "Forces": ("force", "lift", "thrust", "drag", "moment"),
     "Bending": ("tip_",),

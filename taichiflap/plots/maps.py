@@ -16,13 +16,13 @@ from ..drawing import palette
 from ..maps.design import Axis
 from ..maps.file import Map, MapError
 from ..maps.labels import factor_of, is_log, label, model, named
-from ..metrics.names import POWER, gains, shown
+from ..metrics.names import POWER, gains, resolve, shown
 from ..metrics.pareto import pareto_front
 from ..notation import short
 from ..run import limits
 from ..run.warnings import BENT, BROKEN
-from . import formats
-from .result import STYLE, WIDTH
+from . import formats, style
+from .style import WIDTH
 
 if TYPE_CHECKING:
     from ..studies.converge import Convergence
@@ -34,28 +34,49 @@ LINES_AT_MOST = 7
 MARKS = ("o", "^", "s", "D", "v", "P")
 
 
-def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False, whole: bool = False) -> list[Path]:
+def plot(
+    sheet: Map,
+    stem: Path | None = None,
+    overwrite: bool = False,
+    whole: bool = False,
+    *,
+    metrics: Sequence[str] = (),
+    look: str | None = None,
+) -> list[Path]:
     """Write the figures that suit a map, as PNG and SVG: `STEM-map` or `STEM-lines`, and `STEM-pareto`.
 
     Args:
         stem: how the files' names begin, or a folder to put them in; the map's own name, here, if None. With the
             extension pdf, eps, svg or png they are written as that alone.
         whole: draw cases for which the model does not hold as all others, instead of in grey.
+        metrics: which to draw; the foremost that the map has, if none are given.
+        look: a style of matplotlib's, or a `.mplstyle` file, over the house's own.
 
     Raises:
-        MapError: when the map has no metric to draw.
-        OutputError: when a file exists already or cannot be written.
+        MapError: when the map has no metric to draw, or not one that is asked for.
+        QuantityError: for a name that is no metric.
+        OutputError: when a file exists already or cannot be written, or there is no such style.
     """
     stem, kinds = formats.asked(stem)
     own = sheet.path.stem if sheet.path else "map"
     stem = Path(own) if stem is None else stem / own if stem.is_dir() else stem
-    metrics = shown(sheet.metrics)
+    drawn = [resolve(name) for name in metrics] or shown(sheet.metrics)
+    for name in drawn:
+        if name not in sheet.metrics:
+            raise MapError(f"{sheet.path}: kept no {name}; it has {', '.join(sheet.metrics)}")
     numeric = _varying(sheet)
-    if not metrics or not numeric:
+    if not drawn or not numeric:
         raise MapError(f"{sheet.path}: no numeric key varies, or no metric was kept: nothing to draw")
+    with style.using(look):
+        figures = _figures(sheet, drawn, len(numeric), whole)
+        return formats.write(figures, stem, kinds, style.current(), overwrite)
+
+
+def _figures(sheet: Map, metrics: Sequence[str], numeric: int, whole: bool) -> dict[str, Figure]:
+    """The figures that suit a map with so many numeric keys that vary, by their names, with headings and notes."""
     figures: dict[str, Figure] = {}
-    with mpl.rc_context(STYLE):
-        if sheet.design.grid and len(numeric) >= 2:
+    with mpl.rc_context(style.current()):
+        if sheet.design.grid and numeric >= 2:
             figures["map"] = heat_maps(sheet, metrics, whole)
         elif sheet.design.grid:
             figures["lines"] = lines(sheet, metrics, whole)
@@ -69,13 +90,13 @@ def plot(sheet: Map, stem: Path | None = None, overwrite: bool = False, whole: b
             note = _note(sheet, whole, name)
             if note:
                 figure.supxlabel(note, fontsize=7, x=0.01, ha="left")
-    return formats.write(figures, stem, kinds, STYLE, overwrite)
+    return figures
 
 
 def convergence(found: "Convergence", stem: Path) -> list[Path]:
     """Write `STEM.png` and `STEM.svg`: every metric against every key, as its deviation from the finest value."""
     keys = list(dict.fromkeys(trial.key for trial in found.trials))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(style.current()):
         figure = Figure((WIDTH, 2.6), layout="constrained")
         axes = figure.subplots(1, len(keys), sharey=True, squeeze=False)[0]
         for ax, key in zip(axes, keys, strict=True):
@@ -97,7 +118,7 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
             ax.set_xlabel(key)
         axes[0].set_ylabel("Deviation from the finest (%)")
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(names) + 2)
-    return formats.write({"": figure}, stem, formats.BOTH, STYLE, overwrite=True)
+    return formats.write({"": figure}, stem, formats.BOTH, style.current(), overwrite=True)
 
 
 def heat_maps(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:

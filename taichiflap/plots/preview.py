@@ -17,8 +17,8 @@ from ..motion import sampling
 from ..motion.attack import angle_of_attack, speeds, tells
 from ..motion.sampling import PITCH, PLUNGE, PLUNGE_RATE, SURGE
 from ..notation import prefixed, printable
-from . import formats
-from .result import STYLE, WIDTH
+from . import formats, style
+from .style import WIDTH
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ def write(case: Case, path: Path, overwrite: bool = False) -> Path:
     if kind not in formats.KINDS:
         raise files.OutputError(f"{path}: no picture is written as that; end the name in {', '.join(formats.KINDS)}")
     files.check(path, overwrite)
-    (path,) = formats.write({"": preview(case)}, path.with_suffix(""), (kind,), STYLE, overwrite)
+    (path,) = formats.write({"": preview(case)}, path.with_suffix(""), (kind,), style.current(), overwrite)
     return path
 
 
@@ -55,7 +55,7 @@ def preview(case: Case) -> Figure:
     stream = case.fluid.velocity
     attack = np.where(tells(stream, moved), np.degrees(angle_of_attack(stream, moved)), np.nan)
     speed, tip = speeds(stream, (1.0 - case.wing.pivot) * case.wing.chord, moved)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(style.current()):
         figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
         grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1.0))
         _draw_path(figure.add_subplot(grid[:, 0]), case, moved)

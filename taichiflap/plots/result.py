@@ -1,7 +1,5 @@
 """Figures for print: the last beat in numbers, and the wing with its wake or its loads at instants of that beat."""
 
-import itertools
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,53 +13,21 @@ from matplotlib.lines import Line2D
 
 from .. import files
 from ..drawing import palette, scene
-from ..metrics.summary import in_stream, reversals, summarise
-from ..motion.sampling import PLUNGE_RATE, sample
 from ..notation import prefixed
 from ..results.reader import Result
-from . import formats
+from . import formats, style
+from .histories import panels, summary
+from .style import WIDTH
 
-WIDTH = 7.1
-"""Width of a figure across two columns of a journal, inches."""
+__all__ = ["panels", "plot", "summary", "wing"]
+
 POINTS = 72
 """Points in an inch."""
 INSTANTS = 8
 ARROWS = 9
 """Arrows of the load along a chord."""
-Panel = tuple[str, str, tuple[str, ...]]
-"""A panel of the summary: what its axis bears, its unit, and its series."""
-DEFLECTION: Panel = ("Tip deflection", "m", ("tip_deflection",))
-PLUNGE: Panel = ("Plunge", "m", ("plunge",))
-PITCH: Panel = ("Pitch", "deg", ("pitch",))
-NORMAL: Panel = ("Normal force", "N", ("force_normal",))
-VERTICAL: Panel = ("Vertical force, full vector", "N", ("force_vertical",))
-LIFT: Panel = ("Lift across the stream", "N", ("lift",))
-THRUST: Panel = ("Thrust against the stream", "N", ("thrust",))
-POWER: Panel = ("Mechanical power", "W", ("power", "power_aerodynamic", "power_inertial"))
-STYLES: Any = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
-"""The power and its parts: name and line."""
 MANY_DOTS = 6000
 """More dots than this are drawn as pixels in an SVG, lest it take minutes to open."""
-
-STYLE: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.linewidth": 0.6,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "legend.fontsize": 7.5,
-    "legend.frameon": False,
-    "svg.hashsalt": "taichiflap",
-    "text.parse_math": False,
-    "text.color": palette.LIGHT.ink,
-    "axes.labelcolor": palette.LIGHT.ink,
-    "axes.edgecolor": palette.LIGHT.muted,
-    "xtick.color": palette.LIGHT.muted,
-    "ytick.color": palette.LIGHT.muted,
-    "xtick.labelcolor": palette.LIGHT.ink,
-    "ytick.labelcolor": palette.LIGHT.ink,
-}
 
 
 def plot(
@@ -71,6 +37,9 @@ def plot(
     sheets: bool = False,
     *,
     width: float = WIDTH,
+    metrics: Sequence[str] = (),
+    beats: int = 1,
+    look: str | None = None,
 ) -> list[Path]:
     """Write `STEM-summary` of all results, and `STEM-wing`, `STEM-wing-2`, ... of each, as PNG and SVG.
 
@@ -79,13 +48,17 @@ def plot(
             the extension pdf, eps, svg or png they are written as that alone.
         sheets: colour wakes by the edge that shed them instead of by circulation.
         width: of the figures, inches.
+        metrics: names of series for the summary, in the place of tip deflection, forces and power.
+        beats: how many of the last beats the summary shows.
+        look: a style of matplotlib's, or a `.mplstyle` file, over the house's own.
 
     Returns:
         The files written.
 
     Raises:
         SceneError: when a result has no whole beat.
-        OutputError: when a file exists already or cannot be written.
+        SeriesError: when a result has no such series.
+        OutputError: when a file exists already or cannot be written, or there is no such style.
     """
     stem, kinds = formats.asked(stem)
     stem = files.place(results[0], stem)
@@ -93,52 +66,10 @@ def plot(
     for name in names:
         for kind in kinds:
             files.check(stem.with_name(f"{stem.name}-{name}.{kind}"), overwrite)
-    wings = (wing(one, sheets, width) for one in results)
-    figures = dict(zip(names, (summary(results, width), *wings), strict=True))
-    return formats.write(figures, stem, kinds, STYLE, overwrite)
-
-
-def summary(results: Sequence[Result], width: float = WIDTH) -> Figure:
-    """Tip deflection, forces and power over the last beat of each result.
-
-    Raises:
-        SceneError: when a result has no whole beat.
-    """
-    for result in results:
-        scene.last_steps(result)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(width, 4.9), layout="constrained")
-        axes = list(figure.subplots(2, 2, sharex=True).flat)
-        handles, names, shown = [], _names(results), panels(results)
-        units = [_unit(results, panel) for panel in shown]
-        length, label_of_time = scene.abscissa(results[0].case)
-        for number, result in enumerate(results):
-            colour = palette.SEVERAL[number % len(palette.SEVERAL)]
-            turns = result.time[scene.last_steps(result)] / result.case.beat
-            turns = length * (turns - round(turns[-1]) + 1.0)
-            for ax in axes if result.has_sheets else ():
-                _mark_shedding(ax, turns, _last_beat(result, "leading_edge_sheds") > 0.5, number)
-            for ax, (factor, _), (_, _, series) in zip(axes, units, shown, strict=True):
-                for variable, (_, line) in zip(series, STYLES, strict=False):
-                    thick = 1.3 if line == "-" else 1.0
-                    ax.plot(turns, factor * _last_beat(result, variable), line, color=colour, linewidth=thick)
-            name = f"{names[number]} ({result.case.model}{_mean_force(result)})"
-            handles.append(Line2D([], [], color=colour, label=name))
-        for letter, ax, (label, _, series), (_, unit) in zip("abcd", axes, shown, units, strict=True):
-            _shade(ax, results[0], length)
-            ax.set(ylabel=f"{label} ({unit})", xlim=(0.0, length))
-            ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
-            ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
-            if len(series) > 1:
-                # Above the tallest line, so that the key crosses none of them.
-                low, high = ax.get_ylim()
-                ax.set_ylim(low, high + 0.14 * (high - low))
-                key = [Line2D([], [], linestyle=line, color=palette.LIGHT.ink, label=name) for name, line in STYLES]
-                ax.legend(handles=key, loc="upper center", ncols=3, handlelength=1.9, columnspacing=1.2)
-        for ax in axes[2:]:
-            ax.set_xlabel(label_of_time)
-        figure.legend(handles=handles, loc="outside upper center", ncols=1)
-    return figure
+    with style.using(look):
+        wings = (wing(one, sheets, width) for one in results)
+        figures = dict(zip(names, (summary(results, width, metrics, beats), *wings), strict=True))
+        return formats.write(figures, stem, kinds, style.current(), overwrite)
 
 
 def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
@@ -164,7 +95,7 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
     height = min(2.0 * cell * (top - bottom) / (right - left) + 1.15, 9.0)
     head = 1.0 - 0.13 / height
     layout = ConstrainedLayoutEngine(compress=True, rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(style.current()):
         figure = Figure(figsize=(width, height), layout=layout)
         axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):
@@ -202,80 +133,6 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
             arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}
         )
     return figure
-
-
-def panels(results: Sequence[Result]) -> list[Panel]:
-    """What a summary shows: lift and thrust where there is a stream, and the motion of wings that do not bend."""
-    cases = [result.case for result in results]
-    moved = PLUNGE if any(np.ptp(result.plunge) for result in results) else PITCH
-    first = DEFLECTION if any(case.wing.modes for case in cases) else moved
-    forces = (LIFT, THRUST) if all(any(case.fluid.velocity) for case in cases) else (NORMAL, VERTICAL)
-    return [first, *forces, POWER]
-
-
-def _last_beat(result: Result, name: str) -> np.ndarray:
-    """A series over the last beat; of a force in a stream its part across or against it."""
-    steps = scene.last_steps(result)
-    if name in ("lift", "thrust"):
-        lift, thrust = in_stream(result.case, result.force_y[steps], result.force_z[steps])
-        return lift if name == "lift" else thrust
-    return np.asarray(getattr(result, name)[steps])
-
-
-def _unit(results: Sequence[Result], panel: Panel) -> tuple[float, str]:
-    """Factor to what a panel is drawn in, and its name."""
-    _, unit, series = panel
-    if unit == "deg":
-        return 180.0 / math.pi, unit
-    return prefixed(max(float(np.abs(_last_beat(result, name)).max()) for result in results for name in series), unit)
-
-
-def _names(results: Sequence[Result]) -> list[str]:
-    """Titles of the results, with their files' names where titles alone would not tell them apart."""
-    names = [scene.label(result) for result in results]
-    if len(set(names)) == len(names):
-        return names
-    return [f"{name}, {files.place(result, None)}" for name, result in zip(names, results, strict=True)]
-
-
-def _mean_force(result: Result) -> str:
-    """The mean vertical force, or thrust in a stream, as `info` gives it; nothing of a run that failed."""
-    settled = summarise(result) if result.status != "failed" else None
-    if settled is None:
-        return ""
-    name, force = ("thrust", settled.thrust) if settled.thrust else ("vertical force", settled.force_vertical)
-    factor, unit = prefixed(force.mean, "N")
-    return f", mean {name} {factor * force.mean:.3g} {unit}".replace("-", "−")
-
-
-def _shade(ax: Any, result: Result, length: float) -> None:
-    """Shade the half-strokes towards +Z; `length` is what a beat is on the axis."""
-    case = result.case
-    end = round(result.time[scene.last_steps(result)][-1] / case.beat)
-    found = reversals(case, end - 1.0, end)
-    if not len(found):
-        return
-    edges = [float(end - 1), *found, float(end)]
-    for left, right in itertools.pairwise(edges):
-        if right - left < 1e-6:
-            continue
-        middle = 0.5 * (left + right)
-        forth = sample(case.motion, np.array([middle * case.beat]))[0, PLUNGE_RATE] > 0.0
-        if forth:
-            span = length * (left - edges[0]), length * (right - edges[0])
-            ax.axvspan(*span, color=palette.LIGHT.faint, linewidth=0.0, zorder=0)
-        ax.annotate(
-            f"stroke to {'+' if forth else '−'}Z", (length * (middle - edges[0]), 1.0), (0, 3),
-            ("data", "axes fraction"), "offset points",
-            ha="center", va="bottom", fontsize=7, color=palette.LIGHT.muted,
-        )  # fmt: skip
-
-
-def _mark_shedding(ax: Any, turns: np.ndarray, sheds: np.ndarray, number: int) -> None:
-    """A bar along the bottom while the leading edge sheds; those of several results lie over each other."""
-    low = 0.025 * number
-    colour, over = palette.SHEETS[1], ax.get_xaxis_transform()
-    ax.fill_between(turns, low, low + 0.02, where=sheds, transform=over, color=colour, linewidth=0.0, zorder=1)
 
 
 def _draw_stream(ax: Any, text: str) -> None:

@@ -1,0 +1,212 @@
+"""Series of results over their last beats, one panel a quantity, one colour a result."""
+
+import difflib
+import itertools
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..drawing import palette, scene
+from ..errors import UserError
+from ..metrics.summary import in_stream, reversals, summarise
+from ..motion.sampling import PLUNGE_RATE, sample
+from ..notation import prefixed
+from ..results.reader import Result
+from . import style
+
+Panel = tuple[str, str, tuple[str, ...]]
+"""A panel: what its axis bears, its unit, and its series."""
+DEFLECTION: Panel = ("Tip deflection", "m", ("tip_deflection",))
+PLUNGE: Panel = ("Plunge", "m", ("plunge",))
+PITCH: Panel = ("Pitch", "deg", ("pitch",))
+NORMAL: Panel = ("Normal force", "N", ("force_normal",))
+VERTICAL: Panel = ("Vertical force, full vector", "N", ("force_vertical",))
+LIFT: Panel = ("Lift across the stream", "N", ("lift",))
+THRUST: Panel = ("Thrust against the stream", "N", ("thrust",))
+POWER: Panel = ("Mechanical power", "W", ("power", "power_aerodynamic", "power_inertial"))
+STYLES: Any = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
+"""The power and its parts: name and line."""
+PREFIXED = ("m", "N", "W", "N m", "J", "Pa")
+"""Units that are drawn in the multiple that suits the values."""
+ROW, BESIDE = 2.2, 0.5
+"""Height of a row of panels, and of what stands around the rows, inches."""
+COLUMN = 3
+"""Panels that stand over each other; more stand in two columns."""
+LONG = 30
+"""Characters of a label that fit beside a panel."""
+
+
+class SeriesError(UserError):
+    """A series that results do not have: one sentence with those that there are."""
+
+
+def summary(
+    results: Sequence[Result], width: float = style.WIDTH, metrics: Sequence[str] = (), beats: int = 1
+) -> Figure:
+    """Tip deflection, forces and power of each result, or other series, over the last beats.
+
+    Args:
+        width: inches.
+        metrics: names of series to show in the place of these.
+        beats: how many beats, of a motion that repeats.
+
+    Raises:
+        SceneError: when a result has no whole beat.
+        SeriesError: when a result has no such series.
+    """
+    for result in results:
+        scene.last_steps(result)
+    shown = chosen(results, metrics) if metrics else panels(results)
+    columns = 1 if len(shown) <= COLUMN else 2
+    rows = math.ceil(len(shown) / columns)
+    with mpl.rc_context(style.current()):
+        figure = Figure(figsize=(width, ROW * rows + BESIDE), layout="constrained")
+        axes = list(figure.subplots(rows, columns, sharex=True, squeeze=False).flat)
+        handles, names = [], _names(results)
+        units = [_unit(results, panel, beats) for panel in shown]
+        many = max(_whole(result, beats) for result in results)
+        length, label_of_time = scene.abscissa(results[0].case)
+        if many > 1:
+            label_of_time = label_of_time.replace("last beat", f"last {many} beats")
+        for number, result in enumerate(results):
+            colour = palette.SEVERAL[number % len(palette.SEVERAL)]
+            turns = result.time[scene.last_steps(result, beats)] / result.case.beat
+            turns = length * (turns - round(turns[-1]) + many)
+            for ax in axes if result.has_sheets else ():
+                _mark_shedding(ax, turns, _last(result, "leading_edge_sheds", beats) > 0.5, number)
+            for ax, (factor, _), (_, _, series) in zip(axes, units, shown, strict=False):
+                for variable, (_, line) in zip(series, STYLES, strict=False):
+                    thick = 1.3 if line == "-" else 1.0
+                    ax.plot(turns, factor * _last(result, variable, beats), line, color=colour, linewidth=thick)
+            handles.append(Line2D([], [], color=colour, label=f"{names[number]}{_mean_force(result)}"))
+        for letter, ax, (label, _, series), (_, unit) in zip(
+            "abcdefghijklmnopqrstuvwxyz", axes, shown, units, strict=False
+        ):
+            _shade(ax, results[0], length, many)
+            ax.set(ylabel=f"{label} ({unit})" if unit else label, xlim=(0.0, many * length))
+            ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
+            if len(shown) > 1:
+                ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
+            if len(series) > 1:
+                # Above the tallest line, so that the key crosses none of them.
+                low, high = ax.get_ylim()
+                ax.set_ylim(low, high + 0.14 * (high - low))
+                key = [Line2D([], [], linestyle=line, color=palette.LIGHT.ink, label=name) for name, line in STYLES]
+                ax.legend(handles=key, loc="upper center", ncols=3, handlelength=1.9, columnspacing=1.2)
+        for ax in axes[len(shown) :]:
+            ax.set_axis_off()
+        for ax in axes[max(len(shown) - columns, 0) : len(shown)]:
+            ax.set_xlabel(label_of_time)
+            ax.tick_params(labelbottom=True)
+        figure.legend(handles=handles, loc="outside upper center", ncols=1)
+    return figure
+
+
+def panels(results: Sequence[Result]) -> list[Panel]:
+    """What a summary shows: lift and thrust where there is a stream, and the motion of wings that do not bend."""
+    cases = [result.case for result in results]
+    moved = PLUNGE if any(np.ptp(result.plunge) for result in results) else PITCH
+    first = DEFLECTION if any(case.wing.modes for case in cases) else moved
+    forces = (LIFT, THRUST) if all(any(case.fluid.velocity) for case in cases) else (NORMAL, VERTICAL)
+    return [first, *forces, POWER]
+
+
+def chosen(results: Sequence[Result], metrics: Sequence[str]) -> list[Panel]:
+    """A panel for each of some series by name.
+
+    Raises:
+        SeriesError: when a result has no such series.
+    """
+    found: list[Panel] = []
+    for name in dict.fromkeys(metrics):
+        for result in results:
+            there = [one for one in result.variables if one != "time" and result.describe(one).dimensions == ("time",)]
+            if name not in there:
+                near = difflib.get_close_matches(name, there, 1)
+                hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(there)}"
+                raise SeriesError(f"--metric {name}: not a series of {result.path or scene.label(result)}; {hint}")
+        one = results[0].describe(name)
+        said = one.long_name if len(one.long_name) <= LONG else name.replace("_", " ")
+        unit = {"1": "", "rad": "deg"}.get(one.units, one.units)
+        found.append((said[:1].upper() + said[1:], unit, (name,)))
+    return found
+
+
+def _whole(result: Result, beats: int) -> int:
+    """How many of the last so many beats a result has."""
+    return min(beats, math.floor(round(float(result.time[-1]) / result.case.beat, 9)))
+
+
+def _last(result: Result, name: str, beats: int) -> np.ndarray:
+    """A series over the last beats; of a force in a stream its part across or against it."""
+    steps = scene.last_steps(result, beats)
+    if name in ("lift", "thrust"):
+        lift, thrust = in_stream(result.case, result.force_y[steps], result.force_z[steps])
+        return lift if name == "lift" else thrust
+    return np.asarray(getattr(result, name)[steps])
+
+
+def _unit(results: Sequence[Result], panel: Panel, beats: int) -> tuple[float, str]:
+    """Factor to what a panel is drawn in, and its name."""
+    _, unit, series = panel
+    if unit == "deg":
+        return 180.0 / math.pi, unit
+    if unit not in PREFIXED:
+        return 1.0, unit
+    largest = max(float(np.abs(_last(result, name, beats)).max()) for result in results for name in series)
+    return prefixed(largest, unit)
+
+
+def _names(results: Sequence[Result]) -> list[str]:
+    """Title and model of each result; of several in a figure the name of its file too."""
+    names = [f"{scene.label(result)} ({result.case.model})" for result in results]
+    if len(results) == 1:
+        return names
+    return [f"{name}, {result.path.name}" if result.path else name for name, result in zip(names, results, strict=True)]
+
+
+def _mean_force(result: Result) -> str:
+    """The mean vertical force, or thrust in a stream, as `info` gives it; nothing of a run that failed."""
+    settled = summarise(result) if result.status != "failed" else None
+    if settled is None:
+        return ""
+    name, force = ("thrust", settled.thrust) if settled.thrust else ("vertical force", settled.force_vertical)
+    factor, unit = prefixed(force.mean, "N")
+    return f": mean {name} {factor * force.mean:.3g} {unit}".replace("-", "−")
+
+
+def _shade(ax: Any, result: Result, length: float, beats: int) -> None:
+    """Shade the half-strokes towards +Z; `length` is what a beat is on the axis."""
+    case = result.case
+    end = round(result.time[scene.last_steps(result)][-1] / case.beat)
+    first = end - beats
+    found = reversals(case, first, end)
+    if not len(found):
+        return
+    edges = [float(first), *found, float(end)]
+    for left, right in itertools.pairwise(edges):
+        if right - left < 1e-6:
+            continue
+        middle = 0.5 * (left + right)
+        forth = sample(case.motion, np.array([middle * case.beat]))[0, PLUNGE_RATE] > 0.0
+        if forth:
+            span = length * (left - edges[0]), length * (right - edges[0])
+            ax.axvspan(*span, color=palette.LIGHT.faint, linewidth=0.0, zorder=0)
+        if beats == 1:
+            ax.annotate(
+                f"stroke to {'+' if forth else '−'}Z", (length * (middle - edges[0]), 1.0), (0, 3),
+                ("data", "axes fraction"), "offset points",
+                ha="center", va="bottom", fontsize=7, color=palette.LIGHT.muted,
+            )  # fmt: skip
+
+
+def _mark_shedding(ax: Any, turns: np.ndarray, sheds: np.ndarray, number: int) -> None:
+    """A bar along the bottom while the leading edge sheds; those of several results lie over each other."""
+    low = 0.025 * number
+    colour, over = palette.SHEETS[1], ax.get_xaxis_transform()
+    ax.fill_between(turns, low, low + 0.02, where=sheds, transform=over, color=colour, linewidth=0.0, zorder=1)
