@@ -75,6 +75,8 @@ reports: .venv/.run  ## write the reports among the documentation again, from th
 	mkdir -p docs/scores
 	cp build/scores/scores.md build/scores/*.png docs/scores
 	cp build/scores/known.json taichiflap/published/scores
+	$(BIN)/python docs/gallery.py
+	$(BIN)/python examples/frames.py docs/theory/frames.svg
 
 clean:  ## remove the environment and what runs left here
 	rm -rf .venv *.egg-info build dist mutants docs/_build docs/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis
