@@ -4,7 +4,7 @@
     result = taichiflap.simulate(case)
     result.tip_deflection  # m, a NumPy array over result.time
 
-Importing the package loads none of its heavy parts; they come with the first use.
+Importing the package is light; heavy modules are imported at first use.
 """
 
 from typing import TYPE_CHECKING, Any

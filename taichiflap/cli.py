@@ -1,4 +1,4 @@
-"""The commands. Heavy parts are imported inside them, so that `--help` answers at once."""
+"""The command line. Heavy modules are imported inside the commands, so that `--help` is fast."""
 
 import shlex
 import sys
@@ -29,14 +29,18 @@ app = typer.Typer(
 
 
 def main() -> None:
-    """Run the command line; a problem of the user's is a sentence on stderr, and exit code 2 or 1."""
+    """Run the command line. User errors print one sentence on stderr and exit with code 2 or 1."""
     standard_streams.settle()
     try:
         app()
     except (MemoryError, ImportError) as error:
         if isinstance(error, ImportError) and "cannot allocate" not in str(error) and "failed to map" not in str(error):
             raise
-        print("error: out of memory: a limit of this process (ulimit -v), or of this machine", file=sys.stderr)
+        print(
+            "error: out of memory: the limit of this process (ulimit -v) or of the machine is reached; use fewer "
+            "panels, steps or frames",
+            file=sys.stderr,
+        )
         sys.exit(1)
     except UserError as error:
         for line in str(error).splitlines():
@@ -72,10 +76,10 @@ def simulate(
     settings: Settings = None,
     threads: Threads = None,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="replace an existing result, or what an interrupted run has left")
+        bool, typer.Option("--overwrite", help="replace an existing result, or the file of an interrupted run")
     ] = False,
-    resume: Annotated[bool, typer.Option("--resume", help="go on where an interrupted run stopped")] = False,
-    view: Annotated[bool, typer.Option("--view", help="show the run in the browser while it computes")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="continue an interrupted run")] = False,
+    view: Annotated[bool, typer.Option("--view", help="show the run in the browser while it is computed")] = False,
 ) -> None:
     """Compute a case and write its result file."""
     from .case.case import load_case
@@ -85,7 +89,7 @@ def simulate(
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}.h5")
     if resume and not path.exists() and not part(path).exists():
-        print(f"{path}: there is no run to resume; this one begins at the start", file=sys.stderr)
+        print(f"{path}: no interrupted run to resume; starting from the beginning", file=sys.stderr)
     found = warnings(case)
     for warning in found:
         print(f"warning: {warning}", file=sys.stderr)
@@ -93,8 +97,8 @@ def simulate(
         again = ["taichiflap", "simulate", str(case_file), *(f"--set={setting}" for setting in settings or ())]
         again += [*(["-o", str(output)] if output else []), "--resume"]
         with interruptible(
-            f"interrupted: taichiflap info {path} shows what was computed until now",
-            f"go on with: {shlex.join(again)}",
+            f"interrupted: taichiflap info {path} shows what has been computed",
+            f"continue with: {shlex.join(again)}",
         ):
             result = _simulate_with_progress(case, path, threads, overwrite, resume)
         with result:
@@ -102,12 +106,12 @@ def simulate(
             _print_summary(result, [*found, str(result.attributes.get("reason"))])
             if failed:
                 print(f"error: {path}: {result.attributes['reason']}", file=sys.stderr)
-    # After the viewer, which shows the frames until the failure.
+    # Exit after the viewer is closed, which shows the frames before the failure.
     if failed:
         raise typer.Exit(1)
 
 
-@app.command(short_help="Draw the motion of a case, before anything is run.")
+@app.command(short_help="Draw the motion of a case before running it.")
 def preview(
     case_file: CaseFile,
     settings: Settings = None,
@@ -117,7 +121,7 @@ def preview(
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing picture")] = False,
 ) -> None:
-    """Draw the wing's path, angle of attack and speeds over a beat, before anything is run."""
+    """Draw the wing's path, angle of attack and speeds over a beat, before running the case."""
     from .case.case import load_case
     from .commands.summary import motion_line
     from .plots.preview import write
@@ -143,7 +147,7 @@ def view(
     ] = 8080,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open a browser")] = True,
     trust: Annotated[
-        bool, typer.Option("--trust", help="run cases of a map whose solver is a module of your own: it is code")
+        bool, typer.Option("--trust", help="allow a map's cases to run their own solver module, which is code")
     ] = False,
     token: Annotated[
         bool, typer.Option("--token/--no-token", help="have the address hold a secret, without which nobody comes in")
@@ -155,7 +159,7 @@ def view(
     show(files, host=host, port=port, browser=browser, token=token, trust=trust)
 
 
-@app.command(short_help="Change a case by sliders in the browser, and see what comes of it at once.")
+@app.command(short_help="Change a case with sliders in the browser and see the result at once.")
 def explore(
     case_file: CaseFile,
     settings: Settings = None,
@@ -172,7 +176,7 @@ def explore(
         bool, typer.Option("--token/--no-token", help="have the address hold a secret, without which nobody comes in")
     ] = True,
 ) -> None:
-    """Change a case by sliders in the browser: every change is computed at once, in five beats at most."""
+    """Change a case with sliders in the browser. Each change is computed at once, for at most five beats."""
     from taichiflap_viewer.explore.viewer import explore as show
 
     show(case_file, settings or (), threads=threads, host=host, port=port, browser=browser, token=token)
@@ -194,7 +198,7 @@ def info(file: Annotated[Path, typer.Argument(help="result file, or map", show_d
         _print_summary(result)
 
 
-@app.command(short_help="Draw figures for print of results, or a map.")
+@app.command(short_help="Draw figures of results or a map for print.")
 def plot(
     files: Annotated[
         list[Path], typer.Argument(help="a result file, several to compare, or a map", show_default=False)
@@ -205,7 +209,8 @@ def plot(
             "-o",
             "--output",
             metavar="NAME[.pdf|.eps|.svg|.png]",
-            help="folder, or how the names begin, and the kind  [default: the result's name, here, as PNG and SVG]",
+            help="folder, or start of the file names with an optional type  [default: the result's name, here, as PNG "
+            "and SVG]",
         ),
     ] = None,
     width: Annotated[
@@ -224,7 +229,7 @@ def plot(
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing figures")] = False,
     whole: Annotated[
-        bool, typer.Option("--whole", help="of a map, no grey for cases for which the model does not hold")
+        bool, typer.Option("--whole", help="in a map, do not grey out cases in which the model is invalid")
     ] = False,
     sheets: Annotated[bool, typer.Option("--sheets", help="colour the wake by the edge that shed it")] = False,
 ) -> None:
@@ -255,20 +260,21 @@ def plot(
             print(f"{path} written")
 
 
-@app.command(short_help="Write a result as table, for ParaView, or as film.")
+@app.command(short_help="Export a result as a table, for ParaView, or as a film.")
 def export(
     file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)],
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4 or gif; of a map csv")],
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4 or gif; for a map csv")],
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="file, or folder  [default: the result's name, here]")
     ] = None,
     beats: Annotated[
-        int | None, typer.Option(metavar="N", help="last beats to show  [default: 4 in html, 2 in mp4, 1 in gif]")
+        int | None,
+        typer.Option(metavar="N", help="number of last beats to show  [default: 4 in html, 2 in mp4, 1 in gif]"),
     ] = None,
-    dark: Annotated[bool, typer.Option("--dark", help="a film on a dark ground")] = False,
+    dark: Annotated[bool, typer.Option("--dark", help="dark background for a film")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
-    """Write a result as a table, for ParaView, or as a page or film that plays its last beats; or a map as a table."""
+    """Export a result as a table, for ParaView, or as a page or film of its last beats; or a map as a table."""
     from .export.formats import export as write
     from .export.formats import export_map
     from .maps.file import is_map, open_map
@@ -276,7 +282,7 @@ def export(
 
     if is_map(file):
         if beats is not None or dark:
-            raise UserError("--beats and --dark are for results: a map is exported as csv")
+            raise UserError("--beats and --dark apply to results; a map is exported as csv")
         with open_map(file) as sheet:
             print(f"{export_map(sheet, to, output, overwrite)} written")
         return
@@ -289,7 +295,7 @@ def init(
     file: Annotated[Path, typer.Argument(help="case file to write")] = Path("case.toml"),
     source: Annotated[
         str | None,
-        typer.Option("--from", metavar="NAME", help="start from a case that comes with taichiflap, such as hawkmoth"),
+        typer.Option("--from", metavar="NAME", help="start from a bundled case such as hawkmoth"),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
@@ -304,20 +310,20 @@ def init(
         texts[file.parent / table.name] = table.read_text(encoding="utf-8")
     for path, text in texts.items():
         if path.exists() and not overwrite:
-            raise CaseError(str(path), ["exists already; --overwrite replaces it, or name another file"])
+            raise CaseError(str(path), ["exists already; use --overwrite to replace it, or name another file"])
         with replacing(path) as written:
             written.write(text.encode())
     print(f"{file} written; edit it, then run: taichiflap simulate {file}")
 
 
-@app.command(short_help="Hold the solver against exact solutions.")
+@app.command(short_help="Compare the solver with exact solutions.")
 def validate(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="folder for a report with figures  [default: none]")
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing report")] = False,
 ) -> None:
-    """Hold the solver against exact solutions, row by row; exit code 1 if a row fails."""
+    """Compare the solver with exact solutions, row by row. Exit code 1 if a row fails."""
     from .validation import report
     from .validation import validate as study
 
@@ -335,18 +341,18 @@ def validate(
         raise typer.Exit(1)
 
 
-@app.command(short_help="Redo the paper, number by number.")
+@app.command(short_help="Reproduce the paper's numbers and figures.")
 def reproduce(
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the report, figures and data")] = Path(
         "reproduction"
     ),
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="write into a folder that holds files")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="write into a folder that is not empty")] = False,
 ) -> None:
-    """Redo the paper: a report that lays its numbers and figures beside what is computed here."""
+    """Reproduce the paper: write a report with its numbers and figures next to the computed ones."""
     from .commands.progress import share
     from .published.reade2020 import reproduce as study
 
-    with share("redoing the paper") if sys.stderr.isatty() else nullcontext() as progress:
+    with share("reproducing the paper") if sys.stderr.isatty() else nullcontext() as progress:
         found = study.reproduce(output, overwrite=overwrite, progress=progress)
     print(*found, sep="\n")
     print(f"{output / study.REPORT}, {output / study.PAGE} and {output / study.DATA} written")
@@ -354,9 +360,9 @@ def reproduce(
 
 app.command(short_help="Score the models against published data.")(scoring.score)
 app.command()(studies.sweep)
-app.command(short_help="Find how fine is fine enough.")(studies.converge)
-app.command(short_help="Search ranges of keys for the best case.")(studies.optimise)
-app.command(short_help="Sum sections at several radii of a wing.")(studies.strips)
+app.command(short_help="Find a converged resolution.")(studies.converge)
+app.command(short_help="Optimise a case over ranges of keys.")(studies.optimise)
+app.command(short_help="Sum the forces of sections at several radii.")(studies.strips)
 
 
 @app.command()
@@ -371,7 +377,7 @@ def schema() -> None:
 
 @app.command(short_help="Print how to cite taichiflap, as BibTeX.")
 def cite() -> None:
-    """Print how to cite taichiflap, and the paper it starts from, as BibTeX."""
+    """Print how to cite taichiflap and the paper it is based on, as BibTeX."""
     from .commands.citation import BIBTEX
 
     print(BIBTEX)
@@ -384,7 +390,7 @@ def _viewing(path: Path) -> AbstractContextManager[Any]:
 
 
 def _pass_by(text: str) -> None:
-    """Show a line on a terminal that the next one replaces."""
+    """Show a line on the terminal that the next line replaces."""
     if sys.stderr.isatty():
         print(f"\r\x1b[2K{text}", end="", file=sys.stderr, flush=True)
 

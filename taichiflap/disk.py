@@ -1,7 +1,7 @@
-"""How files get their names and who may write them: synced before they are renamed, and locked by a file of our own.
+"""Safe renaming and locking of files: files are synced before they are renamed, and locked by a lock file.
 
-HDF5's own lock is often switched off where it matters, on NFS and Lustre. `NAME.lock` names the host and the process
-that writes NAME; one whose process is gone is taken over.
+HDF5's own lock is often disabled on NFS and Lustre. `NAME.lock` contains the host and process that writes NAME; the
+lock of a dead process is taken over.
 """
 
 import contextlib
@@ -11,33 +11,33 @@ from pathlib import Path
 
 SUFFIX = ".lock"
 LONGEST_NAME = 224
-"""Bytes of a file's name: drafts and locks beside it have longer ones, and 255 is the most that systems take."""
+"""Maximum length of a file name in bytes; drafts and locks have longer names, and systems allow 255."""
 
 
 class Busy(Exception):
-    """Another process writes the file: who, and what to do if it does not."""
+    """Raised if another process is writing the file; names the process, and the cure if it is dead."""
 
 
 def trouble(path: Path) -> str:
-    """Why nothing can be written under a name, before anything is computed for it; nothing if all is well."""
+    """Why a file cannot be written, found before anything is computed; empty if it can."""
     if len(os.fsencode(path.name)) > LONGEST_NAME:
-        return f"a name of {len(os.fsencode(path.name))} bytes; give one of at most {LONGEST_NAME}"
+        return f"the name has {len(os.fsencode(path.name))} bytes; give one with at most {LONGEST_NAME}"
     try:
         path.stat()
     except FileNotFoundError:
-        return "is a link to nothing; remove it, or name another file" if path.is_symlink() else ""
+        return "is a broken link; remove it, or name another file" if path.is_symlink() else ""
     except NotADirectoryError:
-        return ""  # told of its folder
+        return ""  # reported for its folder
     except OSError as error:
         return f"cannot be written: {error.strerror}"
     return ""
 
 
 def sync(path: Path) -> None:
-    """Have the system put a file on the disk before anything counts on it.
+    """Make the system write a file to the disk.
 
     Raises:
-        OSError: when the disk refuses.
+        OSError: if it cannot be written.
     """
     handle = os.open(path, os.O_RDONLY)
     try:
@@ -47,7 +47,7 @@ def sync(path: Path) -> None:
 
 
 def replace(source: Path, target: Path) -> None:
-    """Rename a file, synced, in the place of another or not.
+    """Sync and rename a file; replacing another is optional.
 
     Raises:
         OSError: when the system refuses.
@@ -57,11 +57,11 @@ def replace(source: Path, target: Path) -> None:
 
 
 class Lock:
-    """The right to write a file, until `release`.
+    """Lock for writing a file, until `release`.
 
     Raises:
-        Busy: when another process has it.
-        OSError: when there can be no file beside the one to write.
+        Busy: if another process holds it.
+        OSError: if the lock file cannot be created.
     """
 
     def __init__(self, path: Path) -> None:
@@ -72,21 +72,21 @@ class Lock:
                 return
             theirs = self._read()
             if theirs is None:
-                continue  # released in the meantime
+                continue  # released meanwhile
             if not _gone(theirs):
                 host, process, *_ = [*theirs.split(), "?", "?"]
-                raise Busy(f"process {process} on {host}; if there is none, remove {self.path}")
+                raise Busy(f"process {process} on {host}; if it no longer runs, remove {self.path}")
             self._take_away(theirs)
         raise Busy(f"see {self.path}")
 
     def release(self) -> None:
-        """Let others write. Twice does no harm."""
+        """Release the lock; may be called twice."""
         with contextlib.suppress(OSError):
             if self._read() == self._ours:
                 self.path.unlink()
 
     def _create(self) -> bool:
-        """Put our name there, whole at once; whether nobody was before us."""
+        """Create the lock file atomically; returns whether we were the first."""
         draft = self.path.with_name(f".{self.path.name}.{os.getpid()}")
         try:
             draft.write_text(self._ours)
@@ -94,7 +94,7 @@ class Lock:
                 os.link(draft, self.path)
             except FileExistsError:
                 return False
-            except OSError:  # a file system without links
+            except OSError:  # the file system has no links
                 try:
                     with open(self.path, "x") as file:
                         file.write(self._ours)
@@ -113,7 +113,7 @@ class Lock:
             return None
 
     def _take_away(self, theirs: str) -> None:
-        """Remove the lock of a process that is gone, unless another has just done so."""
+        """Remove the lock of a dead process, unless another process has just done so."""
         aside = self.path.with_name(f".{self.path.name}.{os.getpid()}.stale")
         with contextlib.suppress(FileNotFoundError):
             os.rename(self.path, aside)
@@ -128,7 +128,7 @@ def _sign() -> str:
 
 
 def _gone(theirs: str) -> bool:
-    """Whether a lock is of a process of this machine that has ended; of another machine nobody knows."""
+    """Whether a lock belongs to an ended process of this machine; unknown for other machines."""
     host, process, began = [*theirs.split(), "", "", ""][:3]
     if host != socket.gethostname() or not process.isdecimal():
         return False
@@ -138,12 +138,12 @@ def _gone(theirs: str) -> bool:
         return True
     except OSError:
         pass
-    # A number is given again to another process.
+    # Process numbers are reused.
     return _began(int(process)) != began
 
 
 def _began(process: int) -> str:
-    """When a process began, as Linux counts; a dash where it does not tell."""
+    """Start time of a process in Linux's counting; a dash if unknown."""
     try:
         with open(f"/proc/{process}/stat", "rb") as file:
             return file.read().rpartition(b")")[2].split()[19].decode()

@@ -1,4 +1,4 @@
-"""Lazy doors: a package's public names come from its modules at their first use, and old module names still answer."""
+"""Lazy imports: a package's public names are imported at first use, and old module names still work."""
 
 import importlib
 import sys
@@ -18,7 +18,7 @@ MOVED = {
     "taichiflap.runtime": "taichiflap.kernels.runtime",
     "taichiflap.variables": "taichiflap.results.variables",
 }
-"""Modules of version 0.1 that users may import, and where they are now. The old names go in version 0.3."""
+"""Modules of version 0.1 that have moved, and their new names. The old names are removed in version 0.3."""
 
 
 def lazy(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
@@ -26,7 +26,7 @@ def lazy(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
 
     Args:
         package: the package's `__name__`.
-        homes: for each public name the module of the package that defines it.
+        homes: for each public name the module that defines it.
     """
 
     def fetch(name: str) -> Any:
@@ -51,11 +51,11 @@ class Moved(MetaPathFinder, Loader):
         return module
 
     def exec_module(self, module: ModuleType) -> None:
-        # Python has put the old name's spec in its place.
+        # Restore the spec, which Python has replaced by that of the old name.
         module.__spec__ = self._own
 
 
 def leave_words() -> None:
-    """Let modules that moved answer to their old names."""
+    """Make moved modules importable under their old names."""
     if not any(isinstance(finder, Moved) for finder in sys.meta_path):
         sys.meta_path.append(Moved())

@@ -1,24 +1,24 @@
-"""What a user can put right: one clear line a problem, with no traceback."""
+"""User errors: one clear line per problem, without a traceback."""
 
 import importlib
 from typing import Any
 
 
 class UserError(ValueError):
-    """The base of the errors that the command line prints as they are."""
+    """Base class of errors that the command line prints without a traceback."""
 
     exit_code = 2
-    """2 for what was asked wrongly; 1 for a run that failed."""
+    """Exit code: 2 for wrong input, 1 for a failed run."""
 
 
 def extra(package: str, name: str, need: str, error: type[UserError]) -> Any:
-    """A package of the extra `name`.
+    """Import a package of the extra `name`.
 
     Args:
-        need: what the user is told, such as `"--cluster needs Dask"`.
+        need: start of the message, such as `"--cluster needs Dask"`.
 
     Raises:
-        UserError: an `error` that says how to install it, when it is missing.
+        UserError: an `error` with the installation command, if it is missing.
     """
     try:
         return importlib.import_module(package)

@@ -1,4 +1,4 @@
-"""The files that plots and exports write: never over another by accident, never left half-written."""
+"""Files written by plots and exports: existing files are protected, and no file is left incomplete."""
 
 import contextlib
 import os
@@ -11,17 +11,17 @@ from .errors import UserError
 
 
 class Stored(Protocol):
-    """A result or a map: what has a path, or none while it is in memory."""
+    """A result or a map: an object with a path, which is None in memory."""
 
     path: Path | None
 
 
 class OutputError(UserError):
-    """An output that cannot be written: one sentence with the path and the cause."""
+    """Raised if an output cannot be written; one sentence with the path and the cause."""
 
 
 def place(result: Stored, path: Path | None, suffix: str = "") -> Path:
-    """Where an output goes: to `path`, under the result's name if that is a folder, or here if it is None."""
+    """Path of an output: `path`, or the result's name in that folder, or in the current folder if None."""
     own = Path(result.path.name.removesuffix(".part")).stem if result.path else "result"
     if path is None:
         return Path(f"{own}{suffix}")
@@ -29,10 +29,10 @@ def place(result: Stored, path: Path | None, suffix: str = "") -> Path:
 
 
 def check(path: Path, overwrite: bool) -> None:
-    """Refuse a path that is a folder, is in no folder, or exists already.
+    """Raise an error if a path is a folder, has no folder, or exists.
 
     Raises:
-        OutputError: when it is to be refused.
+        OutputError: if it cannot be written.
     """
     if why := disk.trouble(path):
         raise OutputError(f"{path}: {why}")
@@ -41,27 +41,27 @@ def check(path: Path, overwrite: bool) -> None:
     if not path.parent.is_dir():
         raise OutputError(f"{path}: cannot be written: {path.parent} is not a folder")
     if path.exists() and not overwrite:
-        raise OutputError(f"{path}: exists already; --overwrite replaces it, or name another file")
+        raise OutputError(f"{path}: exists already; use --overwrite to replace it, or name another file")
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder, unless it is there.
+    """Create a folder if it does not exist.
 
     Raises:
-        OutputError: when the system refuses.
+        OutputError: if the system refuses.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{folder}: cannot be made: {error.strerror or error}") from None
+        raise OutputError(f"{folder}: cannot be created: {error.strerror or error}") from None
 
 
 @contextlib.contextmanager
 def standing_in(path: Path) -> Iterator[Path]:
-    """A name beside `path` to write under; the file moves to `path` when all went well, and vanishes otherwise.
+    """Context with a temporary name next to `path`; the file is renamed to `path` on success and removed otherwise.
 
     Raises:
-        OutputError: when the system refuses.
+        OutputError: if the system refuses.
     """
     draft = path.with_name(f".{path.name}.{os.getpid()}.part{path.suffix}")
     try:
@@ -76,10 +76,10 @@ def standing_in(path: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BinaryIO]:
-    """A binary file that becomes `path` when all went well.
+    """Context with a binary file that is renamed to `path` on success.
 
     Raises:
-        OutputError: when the system refuses.
+        OutputError: if the system refuses.
     """
     with standing_in(path) as draft, open(draft, "wb") as file:
         yield file

@@ -1,4 +1,4 @@
-"""How numbers and texts are written for people: engineering notation, thousandths of a unit, one printable line."""
+"""Formatting of numbers and text: engineering notation, unit prefixes, one printable line."""
 
 from decimal import Decimal
 from typing import Any
@@ -7,14 +7,15 @@ PREFIXES = (
     (1e9, 1e-9, "G"), (1e6, 1e-6, "M"), (1e3, 1e-3, "k"), (1.0, 1.0, ""), (1e-4, 1e3, "m"),
     (1e-7, 1e6, "µ"), (0.0, 1e9, "n"),
 )  # fmt: skip
-"""The least size in a unit that has a prefix, the factor to it, and the prefix. Thousandths reach down to 0.1:
-of newtons, watts and metres they are what an insect's wing is measured in."""
+"""Minimum size for a prefix, its factor, and the prefix. Milli is used up to 0.1, since an insect's wing is measured in
+mN, mW and mm.
+"""
 
 
 def prefixed(size: float, unit: str) -> tuple[float, str]:
-    """Factor and name of the multiple of a unit that suits quantities up to `size`: 0.03 N are shown in mN.
+    """Factor and name of the multiple of a unit that suits values up to `size`: 0.03 N is shown in mN.
 
-    What is nothing, or not finite, is shown in thousandths too.
+    Zero and non-finite values are shown in thousandths.
     """
     if not 0.0 < abs(size) < float("inf"):
         return 1e3, f"m{unit}"
@@ -22,12 +23,12 @@ def prefixed(size: float, unit: str) -> tuple[float, str]:
 
 
 def fraction(units: str) -> str:
-    """Units as people write them, N/W for N W-1, and nothing for a pure number."""
+    """Units written as a fraction, N/W for N W-1; empty for a dimensionless number."""
     return "" if units == "1" else units.replace(" W-1", "/W")
 
 
 def engineering(value: float) -> str:
-    """A number with an exponent in threes where it is large or small, such as 24.5e9; it reads back as the same."""
+    """A number in engineering notation if it is large or small, such as 24.5e9; it reads back exactly."""
     if value == 0.0 or 1e-3 <= abs(value) < 1e6 or not abs(value) < float("inf"):
         return f"{value}"
     digits = Decimal(repr(value))
@@ -36,10 +37,10 @@ def engineering(value: float) -> str:
 
 
 def short(value: Any) -> str:
-    """A number in four digits, and anything else as it is."""
+    """A number with four digits; other values unchanged."""
     return engineering(float(f"{value:.4g}")).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
 def printable(text: str) -> str:
-    """A text on one line that steers no terminal and breaks no drawing: what cannot be printed is replaced."""
+    """Text on one line with unprintable characters replaced, safe for terminals and drawings."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

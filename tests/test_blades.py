@@ -235,7 +235,7 @@ def test_without_its_lag_attached_flow_would_flutter_at_half_the_speed(monkeypat
         (("dbet.added_mass=strip",), 'added_mass = "strip"'),
         (("dbet.added_mass=none",), "attached = false"),
         (("dbet.speed=truncated",), 'dbet.frame = "deformed"'),
-        (("dbet.stall_deg=[45, 20]",), "less than the second"),
+        (("dbet.stall_deg=[45, 20]",), "smaller than the second"),
     ],
 )
 def test_what_would_flutter_falsely_is_refused(settings, phrase):

@@ -91,7 +91,7 @@ def test_settings_change_the_case(tmp_path):
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.modes=0,1", "-o", "."), ["is a directory"]),
         (
             ("info", CASES / "hawkmoth.toml"),
-            ["hawkmoth.toml: a case file, not a result; taichiflap simulate computes it"],
+            ["hawkmoth.toml: this is a case file, not a result; run it with taichiflap simulate"],
         ),
         (("init", "."), ["exists already"]),
         (("simulate", CASES / "hawkmoth.toml", "--threads", "0"), ["--threads"]),
@@ -125,7 +125,7 @@ def test_a_diverging_run_ends_with_code_1_and_its_frames(tmp_path):
     assert ran.stderr.count("warning: the first natural frequency") == 1
     assert "the run failed: no statistics" in ran.stdout
     assert "beat to beat" not in ran.stdout
-    assert not re.search("warning: the first natural|runs? away", ran.stdout)  # that has been said
+    assert not re.search("warning: the first natural|deflection diverged", ran.stdout)  # that has been said
     told = run("info", "hawkmoth_dbet.h5", cwd=tmp_path).stdout.splitlines()
     assert any(line.startswith("failed: ") for line in told)
     assert (tmp_path / "hawkmoth_dbet.h5").exists()
@@ -145,8 +145,8 @@ def test_an_interrupted_run_says_where_its_frames_are(tmp_path):
             process.kill()
     assert process.returncode == 130
     told, cure = said.splitlines()
-    assert told == "interrupted: taichiflap info hawkmoth.h5 shows what was computed until now"
-    assert cure.startswith("go on with: taichiflap simulate ")
+    assert told == "interrupted: taichiflap info hawkmoth.h5 shows what has been computed"
+    assert cure.startswith("continue with: taichiflap simulate ")
     assert cure.endswith("--set=uvlm.wake=2000 --set=time.periods=300 --set=output.every=20 --resume")
     ran = run("info", "hawkmoth.h5", cwd=tmp_path)
     assert (ran.returncode, "running" in ran.stdout) == (0, True)
@@ -176,7 +176,7 @@ def test_init_takes_a_case_that_comes_along_with_its_tables(tmp_path):
         assert taichiflap.load_case(tmp_path / f"my_{name}.toml") == taichiflap.load_case(CASES / f"{name}.toml")
     ran = run("init", "other.toml", "--from", "hawkmot", cwd=tmp_path)
     assert ran.returncode == 2
-    assert ran.stderr == "error: hawkmot: no case of that name comes with taichiflap; did you mean hawkmoth?\n"
+    assert ran.stderr == "error: hawkmot: no bundled case has this name; did you mean hawkmoth?\n"
     assert not (tmp_path / "other.toml").exists()
 
 

@@ -198,7 +198,7 @@ def test_who_listens_on_every_network_is_told_its_real_address(folder):
 def test_a_viser_that_opens_its_port_in_another_way_does_not_start(folder, monkeypatch):
     monkeypatch.setattr(_infra.WebsockServer, "_background_worker", lambda self, ready: ready.release())
     monkeypatch.setattr(viser.ViserServer, "__init__", lambda self, *_, **__: None)
-    with pytest.raises(RuntimeError, match="open to all"):
+    with pytest.raises(RuntimeError, match="access cannot be controlled"):
         Viewer([folder / "rigid.h5"], port=18480)
 
 
@@ -330,7 +330,7 @@ def test_a_result_that_is_deleted_replaced_or_cut_is_told_in_a_sentence(folder, 
     monkeypatch.setattr(taichiflap_viewer.watch, "GRACE_SECONDS", 0.0)
     path = tmp_path / "one.h5"
     for harm, sentence in (
-        (path.unlink, "one.h5 is no longer there"),
+        (path.unlink, "one.h5 has been deleted"),
         (lambda: os.replace(tmp_path / "two.h5", path), "one.h5 has been replaced"),
         (lambda: os.truncate(path, 5000), "one.h5 has been changed"),
     ):
@@ -368,7 +368,7 @@ def test_a_map_that_is_deleted_cut_or_replaced_is_told_in_a_sentence(folder, tmp
     monkeypatch.setattr(taichiflap_viewer.maps.viewer, "LOOK_SECONDS", 0.05)
     path = tmp_path / "map.h5"
     for harm, sentence in (
-        (path.unlink, "map.h5 is no longer there"),
+        (path.unlink, "map.h5 has been deleted"),
         (lambda: os.truncate(path, 3000), "map.h5"),
         (lambda: os.replace(tmp_path / "other.h5", path), "map.h5 has been replaced"),
     ):
@@ -396,7 +396,7 @@ def test_another_map_of_the_same_name_is_not_read_with_the_choices_of_the_first(
         taichiflap.sweep(case, {"wing.modes": [0, 1]}, path, metrics=["power_mean"])
         (session,) = one.sessions
         session._try(session._darken, True)
-        assert "another map now" in session._trouble.content
+        assert "replaced by another map" in session._trouble.content
 
 
 def test_a_notice_is_text():

@@ -194,9 +194,9 @@ def test_without_its_extra_a_film_says_what_to_install(blades, tmp_path, monkeyp
     ("name", "arguments", "phrase"),
     [
         ("absent", ["--to", "csv"], "no such file"),
-        ("lattice", ["--to", "pdf"], "no format 'pdf'; there are csv, vtkhdf, html, mp4, gif"),
-        ("lattice", ["--to", "csv", "--beats", "2"], "--beats is for html, mp4, gif"),
-        ("lattice", ["--to", "html", "--dark"], "--dark is for mp4 and gif"),
+        ("lattice", ["--to", "pdf"], "unknown format 'pdf'; use csv, vtkhdf, html, mp4, gif"),
+        ("lattice", ["--to", "csv", "--beats", "2"], "--beats applies to html, mp4, gif"),
+        ("lattice", ["--to", "html", "--dark"], "--dark applies to mp4 and gif"),
         ("lattice", ["--to", "gif", "--beats", "0"], "must be at least 1"),
         ("lattice", ["--to", "csv", "-o", "no/such.csv"], "no is not a folder"),
         ("lattice", ["--to", "csv", "-o", "taken.csv"], "--overwrite"),

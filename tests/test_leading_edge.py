@@ -271,7 +271,7 @@ def test_a_plate_edge_on_to_a_stream_has_blasius_friction():
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        (("uvlm.core=0.02",), "below the largest panel"),
+        (("uvlm.core=0.02",), "smaller than the largest panel"),
         (("uvlm.suction_limit=0", "fluid.velocity=[20, 0]", "motion.pitch.amplitude_deg=1"), "sheds at every angle"),
         ((), "at least 20"),
     ],

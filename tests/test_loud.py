@@ -57,7 +57,7 @@ def test_a_run_that_fails_at_its_first_step_is_told_of_in_every_way(monkeypatch,
         assert len(result.time) == 0
         lines = "\n".join(summary_lines(result))
         assert "for 0 steps" in lines
-        assert "ceased to be finite at step 0" in lines
+        assert "became infinite or undefined at step 0" in lines
         assert taichiflap.summarise(result) is None
         with pytest.raises(UserError):
             plots.plot([result], tmp_path / "fig")
@@ -144,7 +144,7 @@ def test_the_extension_of_a_figure_is_its_kind(name, stem, kinds):
 
 @pytest.mark.parametrize("kind", ["jpg", "tiff", "gif"])
 def test_a_kind_of_picture_that_is_not_written_is_refused(kind):
-    with pytest.raises(OutputError, match=f"no figure is written as {kind}; there are pdf, eps, svg, png"):
+    with pytest.raises(OutputError, match=f"figures cannot be written as {kind}; use pdf, eps, svg, png"):
         formats.asked(Path(f"fig.{kind}"))
     assert formats.asked(None) == (None, ("png", "svg"))
 
@@ -166,7 +166,7 @@ def test_figures_of_each_kind_are_of_that_kind_and_of_two_models_have_two_titles
 def test_a_map_is_a_table_of_its_cases(tmp_path):
     with filled({"wing.chord": "0.01:0.02:3", "solver": "dbet,uvlm"}) as sheet:
         path = export_map(sheet, "csv", tmp_path / "map.csv")
-        with pytest.raises(OutputError, match="a map is exported as csv, not as 'gif'"):
+        with pytest.raises(OutputError, match="a map can only be exported as csv, not as 'gif'"):
             export_map(sheet, "gif", tmp_path / "map.gif")
         with pytest.raises(OutputError, match="exists already"):
             export_map(sheet, "csv", path)

@@ -193,23 +193,23 @@ RAMP = np.column_stack((TURNS, beat(TURNS)[0], 20.0 * TURNS, beat(TURNS)[2]))
     ("rows", "keys", "phrase"),
     [
         (rows_of() + [0, 1, 0, 0] * STEP[:, None], {}, "stroke jumps from"),
-        (np.where(np.arange(4) == 3, rows_of() % 360, rows_of()), {}, "it was wrapped: add or take 360 deg"),
-        (RAMP, {}, "deviation begins with 0 deg and ends the beat with 19.5: it does not return"),
-        (rows_of(BEATS) + np.outer(BEATS, [0, 0, 5, 0]), {}, "deviation has a mean that goes from"),
-        (np.column_stack((1.07 * BEATS, *beat(BEATS))), {}, "4 beats are unequal: at 25 Hz"),
+        (np.where(np.arange(4) == 3, rows_of() % 360, rows_of()), {}, "the angle was wrapped: add or subtract 360 deg"),
+        (RAMP, {}, "deviation begins with 0 deg but ends the beat with 19.5"),
+        (rows_of(BEATS) + np.outer(BEATS, [0, 0, 5, 0]), {}, "deviation has a mean that drifts from"),
+        (np.column_stack((1.07 * BEATS, *beat(BEATS))), {}, "4 beats have unequal lengths: at 25 Hz"),
         (np.column_stack((1.07 * BEATS, *beat(BEATS))), {}, "they look like 23.3"),
         (np.column_stack((BEATS + 0.2 * np.sin(2 * BEATS), *beat(BEATS))), {}, "give beats of equal length"),
         (rows_of() * [1 / FREQUENCY, 1, 1, 1], {}, 'they look like s: give time = "s"'),
         (rows_of(), {"time": "s"}, 'they look like periods: give time = "periods"'),
         (rows_of()[:20], {}, "0.5 of a beat"),
-        (rows_of(), {"smooth": 25}, "smooth = 25: 40 points tell of at most 19 harmonics"),
+        (rows_of(), {"smooth": 25}, "smooth = 25: 40 points resolve at most 19 harmonics"),
         (rows_of(), {"radius": 0}, "motion.measured.radius = 0: must be a number > 0"),
-        (rows_of(), {"radius": None}, "give radius (m) or radius_share (of wing.span)"),
-        (rows_of(), {"radius_share": 0.5}, "give radius (m) or radius_share"),
+        (rows_of(), {"radius": None}, "give either radius (m) or radius_share (of wing.span)"),
+        (rows_of(), {"radius_share": 0.5}, "give either radius (m) or radius_share"),
         (rows_of(), {"rotation_from": None}, "motion.measured.rotation_from: missing"),
-        (rows_of()[::-1], {}, "times must rise"),
+        (rows_of()[::-1], {}, "times must increase"),
         (None, {}, "has no angles"),
-        (rows_of() - [0, 0, 0, 60], {"rotation_from": "attack"}, "has to pass 90 deg there"),
+        (rows_of() - [0, 0, 0, 60], {"rotation_from": "attack"}, "where it must pass 90 deg"),
     ],
 )  # fmt: skip
 def test_angles_that_cannot_be_are_refused_in_a_sentence(rows, keys, phrase):
@@ -222,11 +222,11 @@ def test_angles_that_cannot_be_are_refused_in_a_sentence(rows, keys, phrase):
 
 def test_missing_and_doubled_columns_are_named(tmp_path):
     (tmp_path / "moth.csv").write_text("t,phi,theta\n" + text_of(rows_of()[:, :3], 1.0))
-    with pytest.raises(CaseError, match=r"which column is rotation.* Its columns are 1: t, 2: phi, 3: theta"):
+    with pytest.raises(CaseError, match=r"which column is rotation; its columns are 1: t, 2: phi, 3: theta"):
         case_of(None, tmp_path, file="moth.csv")
-    with pytest.raises(CaseError, match="one column serves twice"):
+    with pytest.raises(CaseError, match="the same column is used twice"):
         case_of(None, tmp_path, file="moth.csv", rotation="theta", deviation="theta")
-    with pytest.raises(CaseError, match="give plunge, pitch and surge, or measured, not both"):
+    with pytest.raises(CaseError, match="give either plunge, pitch and surge or measured"):
         case_of(rows_of()).override("motion.plunge.amplitude=0.01")
 
 

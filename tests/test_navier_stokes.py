@@ -310,7 +310,7 @@ def test_a_light_wing_is_stable_without_iteration(ratio):
 def test_messages():
     with pytest.raises(CaseError, match=r"fluid.viscosity: missing; .* air has 1.5e-5"):
         hawkmoth("solver=navier_stokes")
-    with pytest.raises(CaseError, match=r"the nearest is 96"):
+    with pytest.raises(CaseError, match=r"the nearest such number is 96"):
         case("navier_stokes.cells=100")
     with pytest.raises(CaseError, match=r"at least 0.02 chords"):
         case("navier_stokes.thickness=0.01")

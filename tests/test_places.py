@@ -56,7 +56,7 @@ def run(words, folder, prepare=None, **environment):
 
 def clean(text):
     """Without what libraries say of a home that they cannot use."""
-    ours = ("error: ", "warning: ", "interrupted", "go on with")
+    ours = ("error: ", "warning: ", "interrupted", "continue with")
     return [line for line in text.splitlines() if line.startswith(ours) or "Traceback" in line]
 
 
@@ -117,12 +117,12 @@ def limited(bytes_):
 
 
 NAMES = {
-    "a link to nothing": (lambda folder: (folder / "out").symlink_to("nothing"), "out", "is a link to nothing"),
-    "a loop": (lambda folder: (folder / "out").symlink_to("out"), "out", "Too many levels|is a link to nothing"),
-    "249 bytes": (None, "x" * 249, "a name of 249 bytes; give one of at most 224"),
-    "225 bytes": (None, "x" * 225, "a name of 225 bytes"),
-    "255 umlauts": (None, "ä" * 255, "a name of 510 bytes"),
-    "300 bytes": (None, "x" * 300, "a name of 300 bytes"),
+    "a link to nothing": (lambda folder: (folder / "out").symlink_to("nothing"), "out", "is a broken link"),
+    "a loop": (lambda folder: (folder / "out").symlink_to("out"), "out", "Too many levels|is a broken link"),
+    "249 bytes": (None, "x" * 249, "the name has 249 bytes; give one with at most 224"),
+    "225 bytes": (None, "x" * 225, "the name has 225 bytes"),
+    "255 umlauts": (None, "ä" * 255, "the name has 510 bytes"),
+    "300 bytes": (None, "x" * 300, "the name has 300 bytes"),
     "a folder": (lambda folder: (folder / "out").mkdir(), "out", "is a directory"),
     "in a file": (lambda folder: (folder / "file").write_text(""), "file/out", "is not a folder"),
     "in no folder": (None, "none/out", "is not a folder"),
@@ -168,7 +168,7 @@ def test_a_signal_ends_a_command_with_words_on_how_to_go_on(number, code, comman
     _, said = process.communicate(timeout=280)
     assert process.returncode == code, said
     assert "interrupted: " in said
-    assert ("go on with: taichiflap simulate" if command == "simulate" else "the same command goes on") in said
+    assert ("continue with: taichiflap simulate" if command == "simulate" else "the same command continues") in said
     assert not list(tmp_path.glob("*.lock"))
 
 
@@ -205,7 +205,7 @@ def test_the_lock_of_a_process_that_is_gone_is_taken_over(tmp_path):
 @pytest.mark.parametrize("text", ["elsewhere 1 77\n", "", "\x00\xff", "a line of something else"])
 def test_a_lock_of_which_nobody_knows_is_left_alone(text, tmp_path):
     path = locked_by(tmp_path, text)
-    with pytest.raises(disk.Busy, match=r"if there is none, remove .*run\.h5\.lock"):
+    with pytest.raises(disk.Busy, match=r"if it no longer runs, remove .*run\.h5\.lock"):
         disk.Lock(path)
     assert (tmp_path / "run.h5.lock").read_text() == text
 

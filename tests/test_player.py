@@ -97,7 +97,7 @@ def test_a_page_takes_fewer_frames_or_beats_when_it_must(lattice, tmp_path, monk
     assert frames[100_000][0] < 300
     assert frames[30_000][1] >= player.FEWEST
     monkeypatch.setattr(player, "BUDGET", 1000)
-    with pytest.raises(UserError, match="does not fit in 10 MB"):
+    with pytest.raises(UserError, match="exceeds the limit of 10 MB"):
         export(lattice, "html", tmp_path / "none.html")
 
 

@@ -53,12 +53,12 @@ def test_the_points_of_a_file_beside_the_case_end_up_in_the_result(tmp_path):
     [
         (None, 2, "no such file"),
         (b"0 1\n1 2\n2 3\n3 4\n", 3, "line 1 has no column 3"),
-        (b"0 1\n1 b\n", 2, "line 2 holds no numbers"),
-        (b"t,z\n0,0\n0,5,0,01\n1,0\n", 2, "line 3 has 4 columns, the first has 2"),
+        (b"0 1\n1 b\n", 2, "line 2 has no number"),
+        (b"t,z\n0,0\n0,5,0,01\n1,0\n", 2, "line 3 has 4 columns but the first line has 2"),
         (b"\xff\xfe", 2, "not a text file"),
         (b"0 1\n1 2\n", 2, "has 2 points"),
-        (b"0 1\n1 2\n1 3\n2 3\n", 2, "times must rise"),
-        (b"0 1\n0.1 2\n0.2 3\n1 3\n", 2, "begins with 1, but ends with 3"),
+        (b"0 1\n1 2\n1 3\n2 3\n", 2, "times must increase"),
+        (b"0 1\n0.1 2\n0.2 3\n1 3\n", 2, "begins with 1 and ends with 3"),
         (b"0 1\n1 2\n2 3\n3 3\n", 2, "fractions of the period"),
     ],
 )
@@ -77,7 +77,9 @@ def test_a_bad_file_of_points_is_named(content, column, phrase, tmp_path):
 def test_a_table_that_does_not_repeat_must_cover_the_run():
     document = hawkmoth().to_dict() | {"time": {"duration": 0.8, "step": 0.01}}
     document["motion"] = {"plunge": {"kind": "table", "points": [row[:2] for row in ROWS]}}
-    with pytest.raises(CaseError, match=r"motion.plunge: its points go from 0 to 0.75 s, the case from 0 to 0.8 s"):
+    with pytest.raises(
+        CaseError, match=r"motion.plunge: its points cover 0 to 0.75 s but the case runs from 0 to 0.8 s"
+    ):
         parse_case(document)
     document["time"]["duration"] = 0.75
     assert parse_case(document).steps == 75
@@ -89,13 +91,17 @@ def test_a_table_that_does_not_repeat_must_cover_the_run():
         ({"pitch": RAMP}, {}, "motion.frequency: missing; give a number"),
         ({"pitch": RAMP}, {"duration": 1.0}, "time.step: missing; give a number"),
         ({"pitch": RAMP}, {"step": 0.1}, "time.duration: missing; give a number"),
-        ({"pitch": RAMP}, {"duration": 1.0, "step": 0.1, "periods": 3}, "counts in periods and in seconds"),
+        ({"pitch": RAMP}, {"duration": 1.0, "step": 0.1, "periods": 3}, "mixes periods and seconds"),
         ({"plunge": {"amplitude": 0.1}}, {"duration": 1.0, "step": 0.1}, "motion.frequency: missing; give a number"),
         ({"start_up_periods": 1.0}, {"duration": 1.0, "step": 0.1}, "motion.frequency: missing"),
-        ({}, {"duration": 1.0, "step": "auto"}, "nothing moves"),
+        ({}, {"duration": 1.0, "step": "auto"}, "needs a moving wing or a stream"),
         ({"pitch": RAMP}, {"duration": 1.0, "step": "quick"}, 'time.step = "quick": must be a number'),
-        ({"pitch": RAMP, "start_up": 1.0, "start_up_periods": 2.0, "frequency": 1.0}, {}, "not both"),
-        ({"pitch": RAMP}, {"duration": 1e6, "step": 1e-3}, "time.duration / time.step = 1000000000: at most"),
+        ({"pitch": RAMP, "start_up": 1.0, "start_up_periods": 2.0, "frequency": 1.0}, {}, "give either start_up"),
+        (
+            {"pitch": RAMP},
+            {"duration": 1e6, "step": 1e-3},
+            "time.duration / time.step = 1000000000; the limit is 5000000",
+        ),
     ],
 )
 def test_time_is_counted_one_way(motion, time, phrase):

@@ -68,7 +68,7 @@ def test_a_picture_is_written_as_its_name_ends(kind, tmp_path):
     assert path.read_bytes().startswith(beginnings[kind])
     with pytest.raises(UserError, match="exists already"):
         preview.write(hawkmoth(), path)
-    with pytest.raises(UserError, match="no picture is written as that; end the name in pdf, eps, svg, png"):
+    with pytest.raises(UserError, match="unsupported picture type; end the name in pdf, eps, svg, png"):
         preview.write(hawkmoth(), tmp_path / "moth.jpeg")
 
 

@@ -299,7 +299,7 @@ def test_a_diverged_case_keeps_its_frames_and_says_why(tmp_path):
 def test_an_existing_result_is_not_overwritten(tmp_path):
     path = tmp_path / "run.h5"
     path.write_bytes(b"precious")
-    with pytest.raises(taichiflap.ResultError, match="exists already; --overwrite"):
+    with pytest.raises(taichiflap.ResultError, match="exists already; use --overwrite"):
         taichiflap.simulate(hawkmoth("time.periods=1"), path)
     assert path.read_bytes() == b"precious"
     taichiflap.simulate(hawkmoth("time.periods=1"), path, overwrite=True).close()
@@ -317,7 +317,7 @@ def damaged_files(folder, good):
     (folder / "cut.h5").write_bytes(whole[: len(whole) // 3])
     (folder / "folder.h5").mkdir()
     return {
-        "foreign.h5": "not a result of taichiflap",
+        "foreign.h5": "is not a taichiflap result",
         "newer.h5": "written by a newer taichiflap",
         "text.h5": "not a readable result file",
         "empty.h5": "not a readable result file",
@@ -343,7 +343,7 @@ def test_a_resume_of_what_cannot_be_read_names_the_file(tmp_path, uvlm_file):
     with h5py.File(left, "r+") as file:
         file.attrs["case"] = file.attrs["case"].decode()
     with pytest.raises(
-        taichiflap.ResultError, match=r"run\.h5\.part: cannot be resumed: case is text of varying length"
+        taichiflap.ResultError, match=r"run\.h5\.part: cannot be resumed: case is text of variable length"
     ):
         taichiflap.simulate(hawkmoth(*SHORT), tmp_path / "run.h5", resume=True)
 
@@ -484,7 +484,7 @@ def test_a_doctored_checkpoint_is_not_gone_on_from(tmp_path, stopped, caplog, so
     taichiflap.simulate(hawkmoth(*SHORT, f"solver={solver}"), path, resume=True).close()
     assert_same(stopped / f"{solver}-whole.h5", path)
     (said,) = caplog.messages
-    assert said.startswith(f"{path}.state cannot be used, so the run begins at its start: ")
+    assert said.startswith(f"{path}.state cannot be used, so the run starts from the beginning: ")
 
 
 def test_only_the_same_case_is_resumed(tmp_path):
@@ -493,7 +493,7 @@ def test_only_the_same_case_is_resumed(tmp_path):
     other = hawkmoth(*SHORT, "fluid.density=2.0")
     with pytest.raises(taichiflap.ResultError, match=r"another case: density = 1\.225 there, density = 2\.0 here"):
         taichiflap.simulate(other, path, resume=True)
-    with pytest.raises(taichiflap.ResultError, match=r"--resume goes on with them, --overwrite begins anew"):
+    with pytest.raises(taichiflap.ResultError, match=r"use --resume to continue it, or --overwrite to start again"):
         taichiflap.simulate(other, path)
     taichiflap.simulate(other, path, overwrite=True).close()
     with pytest.raises(taichiflap.ResultError, match=r"another case"):
@@ -520,7 +520,7 @@ def test_of_two_runs_on_one_file_the_second_is_refused(tmp_path, option):
 
 
 def test_two_cases_do_not_share_a_file(tmp_path):
-    with pytest.raises(taichiflap.ResultError, match=r"run\.h5: is to hold two results"):
+    with pytest.raises(taichiflap.ResultError, match=r"run\.h5: is named for two results"):
         taichiflap.simulate([hawkmoth(*SHORT)] * 2, [tmp_path / "run.h5"] * 2)
 
 

@@ -229,7 +229,7 @@ def test_coefficients_need_their_speed_and_lift_a_stream(tmp_path):
         ("t/T,force\n" + "1,2\n" * 5, 'column "force" is not known'),
         ("t/T,power [hp]\n" + "1,2\n" * 5, "unit hp is not known"),
         ("t/T,C_V\n0,1\n0.1,a\n0.2,1\n0.3,1\n0.4,1\n", "give numbers"),
-        ("t/T,C_V\n0,1\n0.1,1\n0.1,1\n0.3,1\n0.4,1\n", "times must rise"),
+        ("t/T,C_V\n0,1\n0.1,1\n0.1,1\n0.3,1\n0.4,1\n", "times must increase"),
         ("t/T\n0\n1\n2\n3\n4\n", "no quantity beside the time"),
     ],
 )

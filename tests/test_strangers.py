@@ -93,7 +93,7 @@ def test_no_other_file_is_opened(name, place, good, tmp_path):
     (tmp_path / "beside.csv").write_text("0 0\n0.2 1\n0.4 0\n1 0\n")
     named = place if place.startswith("/") else str(tmp_path / place)
     path = doctored(good, name, tmp_path, case=with_table(named))
-    with watched() as found, pytest.raises(UserError, match=r"the case inside it is not valid: motion\.plunge\.file"):
+    with watched() as found, pytest.raises(UserError, match=r"its case is invalid: motion\.plunge\.file"):
         open_both(path)
     assert not [one for one in found if named in one]
 
@@ -110,7 +110,7 @@ def test_a_value_of_a_map_opens_no_file(good, tmp_path):
         hdf.note(file["motion.plunge"], {"labels": f"[{_json(table)}]"})
     with maps.open_map(path) as sheet, watched() as found:
         assert read_value(sheet.design.axes[0].values[0])["file"]
-        with pytest.raises(CaseError, match=r"motion\.plunge\.file: no file is read here"):
+        with pytest.raises(CaseError, match=r"motion\.plunge\.file: no file may be read here"):
             sheet.design.case(sheet.case, 0)
     assert not [one for one in found if "beside" in one]
 
@@ -145,7 +145,7 @@ def test_a_map_that_is_trusted_runs_its_module(good, tmp_path, monkeypatch):
     (tmp_path / "guest_model.py").write_text("")
     monkeypatch.syspath_prepend(tmp_path)
     path = doctored(good, "map.h5", tmp_path, case=lambda text: text.replace('"dbet"', '"module:guest_model"'))
-    with pytest.raises(UserError, match=r"guest_model is no fluid model"):
+    with pytest.raises(UserError, match=r"guest_model is not a fluid model"):
         MapViewer.run(SimpleNamespace(path=path, trust=True), 0, None)
 
 
@@ -199,7 +199,8 @@ ABSURD = {
     "an integer of 5,000 digits": (replaced(r"^chord = .*", f"chord = {'9' * 5000}"), "4300 digits"),
     "4,000 digits": (replaced(r"^chord = .*", f"chord = {'9' * 4000}"), r"wing\.chord: .* 4000 digits"),
     "an integer of 4,000 digits in a list": (
-        replaced(r"^velocity = \[[^\]]*\]", f"velocity = [{'9' * 4000}, 0.0]"), r"velocity: a whole number of 4000",
+        replaced(r"^velocity = \[[^\]]*\]", f"velocity = [{'9' * 4000}, 0.0]"), r"velocity: whole number with 4000 "
+            "digits",
     ),
     "a header 20,000 deep": (f"[{'.'.join(['a'] * 20_000)}]\n{GOOD}", "nested too deeply"),
     "a quoted header 20,000 deep": ("[" + ".".join(['"a b"'] * 20_000) + "]\n", "nested too deeply"),
@@ -211,10 +212,11 @@ ABSURD = {
     "50,000 keys": ("".join(f"x{i} = 1\n" for i in range(50_000)) + GOOD, "more than 2,000 keys"),
     "100,000 harmonics": (
         replaced(r"^harmonics = .*", f"harmonics = [{'[1, 0.0, 0.0],' * 100_000}]"),
-        r"motion\.plunge\.harmonics = .*: has 100,000 terms; at most 100",
+        r"motion\.plunge\.harmonics = .*: has 100,000 terms; give at most 100",
     ),
-    "a title with an escape": (replaced(r"^title = .*", f'title = "{ESCAPED}"'), "title = .*one line of characters"),
-    "17 MB of nothing": ("#\n" * (17 * 2**19), "larger than 16 MB"),
+    "a title with an escape": (replaced(r"^title = .*", f'title = "{ESCAPED}"'), "title = .*one line of printable "
+    "characters"),
+    "17 MB of nothing": ("#\n" * (17 * 2**19), "larger than the limit of 16 MB"),
 }  # fmt: skip
 
 
@@ -231,7 +233,7 @@ def test_an_absurd_case_file_is_refused_in_a_sentence(what, tmp_path):
 
 
 def test_a_case_file_without_end_is_refused():
-    with pytest.raises(CaseError, match=r"/dev/zero: larger than 16 MB"):
+    with pytest.raises(CaseError, match=r"/dev/zero: larger than the limit of 16 MB"):
         load_case("/dev/zero")
 
 
@@ -241,8 +243,8 @@ def test_a_case_file_without_end_is_refused():
         ("/dev/zero", "not a regular file"),
         ("pipe", "not a regular file"),
         (".", "not a regular file|cannot be read"),
-        ("large.csv", "larger than 16 MB"),
-        ("a\\u0000b", "a name of a file holds no NUL"),
+        ("large.csv", "larger than the limit of 16 MB"),
+        ("a\\u0000b", "a file name cannot contain NUL"),
         ("x" * 5000, "cannot be read: File name too long"),
         ("loop", "cannot be read: Too many levels of symbolic links"),
     ],

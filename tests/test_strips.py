@@ -67,10 +67,10 @@ def test_a_planform_narrows_the_chord_and_the_root_stands_off():
 @pytest.mark.parametrize(
     ("case", "keys", "phrase"),
     [
-        (hawkmoth(), {}, "--at: at what share of the span"),
-        (moth(), {"at": 0.5}, "measured angles know their radius"),
-        (hawkmoth(), {"at": 1.5}, "--at 1.5: a share of the span"),
-        (hawkmoth(), {"at": 0.5, "root": 1.0}, "--root 1: a share of the span"),
+        (hawkmoth(), {}, "--at is missing: give the share of the span"),
+        (moth(), {"at": 0.5}, "measured angles have their own radius"),
+        (hawkmoth(), {"at": 1.5}, "--at 1.5: give a share of the span"),
+        (hawkmoth(), {"at": 0.5, "root": 1.0}, "--root 1: give a share of the span"),
         (hawkmoth(), {"at": 0.5, "planform": [(0.5, 1.0), (0.2, 1.0)]}, "--planform: give SHARE:CHORD pairs"),
         (hawkmoth("wing.span=[[0, 0.05], [1, 0.02]]"), {"at": 0.5}, "wing.span is a table"),
     ],
@@ -87,4 +87,4 @@ def test_the_sums_are_written_and_told(tmp_path):
     np.testing.assert_array_equal(rows[:, 3], found.total["force_vertical"])
     said = "\n".join(study.lines(found))
     assert f"{1e3 * found.means['force_vertical']:.4g} mN, sum of 3 strips" in said
-    assert "no tip vortex" in said
+    assert "tip vortex" in said

@@ -88,21 +88,21 @@ MISTAKES = [
     (["wing.chrod=1:2:3"], {}, "wing.chrod: unknown key; did you mean wing.chord?"),
     (["wing.chord=-1:2:3"], {}, "wing.chord = -1.0: must be a number > 0"),
     (["wing.chord=1:1:3"], {}, "an empty range"),
-    (["wing.chord=1:2:0"], {}, "0 values; a range has at least 2"),
-    (["wing.chord=1:2"], {}, "how many values? Write a:b:n, or add --sample"),
+    (["wing.chord=1:2:0"], {}, "0 values; give at least 2"),
+    (["wing.chord=1:2"], {}, "the number of values is missing; write a:b:n, or add --sample"),
     (["wing.chord=1:2:3:4"], {}, "write a:b:n"),
     (["wing.chord=a:b:3"], {}, "with plain numbers"),
     (["wing.chord=1:inf:3"], {}, "finite"),
-    (["wing.chord=0:1:3:log"], {}, "a log range has both ends above zero"),
-    (["wing.chord=1,1"], {}, "a value is there twice"),
-    (["wing.modes=0:2:9"], {}, "more values than there are whole numbers"),
+    (["wing.chord=0:1:3:log"], {}, "both ends of a log range must be above zero"),
+    (["wing.chord=1,1"], {}, "a value is repeated"),
+    (["wing.modes=0:2:9"], {}, "fewer whole numbers than values"),
     (["wing.chord"], {}, "write KEY=a:b:n"),
     (["wing.chord=1,2", "wing.chord=3,4"], {}, "varies already"),
     (["wing.chord=1:2:1000000000000"], {}, "at most 10,000,000 cases"),
-    (["wing.chord=1:2:10000", "wing.span=1:2:10000"], {}, "100,000,000 cases; at most"),
-    (["wing.chord=1:2"], {"sample": "sobol:100"}, "powers of two; take 64 or 128"),
+    (["wing.chord=1:2:10000", "wing.span=1:2:10000"], {}, "100,000,000 cases; the limit is"),
+    (["wing.chord=1:2"], {"sample": "sobol:100"}, "power of two; use 64 or 128"),
     (["wing.chord=1:2"], {"sample": "halton:8"}, "write sobol:N or lhs:N"),
-    (["wing.chord=1:2:3"], {"sample": "lhs:8"}, "give the range alone"),
+    (["wing.chord=1:2:3"], {"sample": "lhs:8"}, "give only the range"),
     (["solver=dbet,navier"], {}, 'solver = "navier": must be "uvlm" or "dbet"'),
     ([], {}, "nothing varies"),
 ]
@@ -258,9 +258,9 @@ def test_a_case_that_fails_is_recorded_with_its_reason_and_the_rest_goes_on():
     sheet = taichiflap.sweep(case, vary)
     assert sheet.status.values[0, 0].tolist() == [outcome.COMPLETE] * 2
     assert sheet.status.values[:, 1, 1].tolist() == [outcome.FAILED] * 2
-    assert "at most 5000000 steps" in sheet.reason.values[0, 1, 1]
+    assert "the limit is 5000000 steps" in sheet.reason.values[0, 1, 1]
     assert np.isfinite(sheet.power_mean.values[0, 0, 1])
-    assert "ran away at step" in sheet.reason.values[1, 1, 0]
+    assert "diverged at step" in sheet.reason.values[1, 1, 0]
     assert np.isnan(sheet.power_mean.values[1, 1, 0])
 
 
@@ -303,7 +303,7 @@ def test_a_sweep_that_is_killed_loses_no_finished_batch(tmp_path):
     finished = done(tmp_path / "map.h5")
     assert 0 < finished < 30
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert f"{finished} of 30 cases are there already" in ran.stdout
+    assert f"{finished} of 30 cases are done already" in ran.stdout
     assert "30 complete, 0 failed" in ran.stdout
 
 

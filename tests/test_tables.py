@@ -122,32 +122,34 @@ REFUSED = {
     "percent": (rows(times=100 * TURNS), {"time": "periods"}, "they look like percent of the period: divide"),
     "degrees of phase": (rows(times=360 * TURNS), {}, "they look like degrees of phase"),
     "two beats": (rows(np.tile(PITCH[:-1], 2), np.arange(80) / 40), {}, "they look like 2 beats"),
-    "rows": (rows(PITCH[:31], range(31)), {}, "they look like numbers of rows: give time_column"),
-    "ends apart": (rows(PITCH + 0.5 * TURNS), {}, "begins with 0, but ends with 0.5; make them equal, or smooth"),
-    "commas for everything": (commas("t,theta\n0.00,0.10\n0.25,0.30\n0.50,0.10\n0.75,-0.30\n"), {}, "put semicolons"),
-    "the same without names": (commas("0.00,0.10\n0.25,0.30\n0.50,0.10\n0.75,-0.30\n"), {}, "put semicolons"),
-    "whole numbers for everything": ("0,1,5,2\n1,2,5,3\n2,3,5,1\n3,4,5,0\n", {"periodic": False}, "are they decimals?"),
-    "a point and a comma": ("0.00 1,0\n0.25 2,0\n0.50 1,5\n0.75 1,2\n", {}, "keep one separator"),
-    "points and commas": ("0.00;1,0\n0.25;2,0\n0.50;1,5\n0.75;1,2\n", {}, "write decimals in one way"),
-    "an empty cell": ("t,a\n0,1\n0.25,\n0.5,2\n0.75,1\n", {}, "line 3 holds no numbers in column 2: nothing"),
-    "not a number": ("t,a\n0,1\n0.25,nan\n0.5,2\n0.75,1\n", {}, "line 3 holds no numbers in column 2: nan"),
+    "rows": (rows(PITCH[:31], range(31)), {}, "they look like row numbers: set time_column"),
+    "ends apart": (rows(PITCH + 0.5 * TURNS), {}, "begins with 0 and ends with 0.5; make them equal, or smooth"),
+    "commas for everything": (commas("t,theta\n0.00,0.10\n0.25,0.30\n0.50,0.10\n0.75,-0.30\n"), {}, "with semicolons"),
+    "the same without names": (commas("0.00,0.10\n0.25,0.30\n0.50,0.10\n0.75,-0.30\n"), {}, "with semicolons"),
+    "whole numbers for everything": ("0,1,5,2\n1,2,5,3\n2,3,5,1\n3,4,5,0\n", {"periodic": False}, "they may be "
+    "decimals"),
+    "a point and a comma": ("0.00 1,0\n0.25 2,0\n0.50 1,5\n0.75 1,2\n", {}, "use one separator"),
+    "points and commas": ("0.00;1,0\n0.25;2,0\n0.50;1,5\n0.75;1,2\n", {}, "use one decimal sign"),
+    "an empty cell": ("t,a\n0,1\n0.25,\n0.5,2\n0.75,1\n", {}, "line 3 has no number in column 2: nothing"),
+    "not a number": ("t,a\n0,1\n0.25,nan\n0.5,2\n0.75,1\n", {}, "line 3 has no number in column 2: nan"),
     "no such name": (HEADED, {"column": "thata"}, 'has no column "thata"; did you mean theta?'),
     "a name without names": (rows(), {"column": "theta"}, "its columns have no names"),
     "the time's column": (HEADED, {"column": "t"}, 'column 1 ("t") is the time'),
     "a plunge for a pitch": ("time,plunge,pitch\n" + rows(separator=",1,"), {}, 'column 2 ("plunge") is not the pitch'),
     "metres for a pitch": ("t,Z (m)\n" + rows(), {}, "is in m, which is not an angle"),
     "an unknown unit": (HEADED, {"unit": "grad"}, 'unit = "grad" is not an angle; give deg or rad'),
-    "microseconds": ("t (us),theta\n" + rows(), {}, "has its times in us; give them in s, ms or periods"),
-    "frames": ("t (frames),theta\n" + rows(), {}, "has its times in frames"),
-    "names with spaces between spaces": ("time (ms)  pitch angle (rad)\n" + rows(separator="  "), {}, "3 names over 2"),
-    "beyond the period": (rows(times=1.02 * TURNS), {}, "1.02 periods in the place of about one"),
-    "a spreadsheet": (b"PK\x03\x04 and more", {}, "a spreadsheet; save its columns as CSV"),
+    "microseconds": ("t (us),theta\n" + rows(), {}, "has times in us; give them in s, ms or periods"),
+    "frames": ("t (frames),theta\n" + rows(), {}, "has times in frames"),
+    "names with spaces between spaces": ("time (ms)  pitch angle (rad)\n" + rows(separator="  "), {}, "3 names for 2"),
+    "beyond the period": (rows(times=1.02 * TURNS), {}, "1.02 periods instead of about one"),
+    "a spreadsheet": (b"PK\x03\x04 and more", {}, "a spreadsheet, not a text file; save its columns as CSV"),
     "a binary file": (b"\x00\x01\x02\x03", {}, "not a text file"),
     "words for headings": ("Stroke\nof the\nthird moth\nt,theta\n" + rows(), {}, "line 4 holds no numbers: t,theta"),
     "time_column 0": (rows(), {"time_column": 0}, "time_column = 0: must be a name or a whole number >= 1"),
-    "too many harmonics": (rows(), {"smooth": 30}, "smooth = 30: 41 points tell of at most 20 harmonics"),
-    "two ways to smooth": (rows(), {"smooth": 8, "smooth_error_deg": 0.1}, "give smooth or smooth_error, not both"),
-    "smooth without a period": (rows(), {"smooth": 8, "periodic": False}, "for a table that is periodic"),
+    "too many harmonics": (rows(), {"smooth": 30}, "smooth = 30: 41 points resolve at most 20 harmonics"),
+    "two ways to smooth": (rows(), {"smooth": 8, "smooth_error_deg": 0.1}, "give either smooth or smooth_error"),
+    "smooth without a period": (rows(), {"smooth": 8, "periodic": False}, "smooth and smooth_error need a periodic "
+    "table"),
 }  # fmt: skip
 
 
@@ -169,7 +171,8 @@ WARNED = {
     "half a beat": ("pitch", rows(PITCH[:21], TURNS[:21]), {}, "without points between 0.5 and 1 of the period"),
     "a hole": ("pitch", rows(np.delete(PITCH, HOLE), np.delete(TURNS, HOLE)), {}, "between 0.175 and 0.6"),
     "radians": ("pitch", rows(np.radians(PITCH)), {}, "stays below 0.262 deg while the wing travels 2 chords"),
-    "degrees for a plunge": ("plunge", rows(3e3 * PLUNGE), {}, "6e+03 chords: are these degrees, or"),
+    "degrees for a plunge": ("plunge", rows(3e3 * PLUNGE), {}, "6e+03 chords; lengths are in m: if its values are "
+    "millimetres"),
     "noise": ("pitch", rows(PITCH + 0.3 * RANDOM.standard_normal(41) * (TURNS % 1 > 0)), {}, "smooth = 8"),
     "few digits": ("plunge", rows(0.02 * np.cos(2 * np.pi * MANY), MANY, digits=4), {}, "noisy, rounded or too close"),
     "points too close": (
@@ -178,7 +181,7 @@ WARNED = {
         {},
         "noisy, rounded or too close",
     ),
-    "nothing but zeros": ("pitch", rows(0 * PITCH), {}, "whose values are all 0: check its column"),
+    "nothing but zeros": ("pitch", rows(0 * PITCH), {}, "whose values are all 0; check its column"),
     "too few harmonics": ("pitch", rows(np.sign(PITCH).round()), {"smooth": 1}, "give a larger smooth"),
     "milliseconds of a run": ("pitch", rows(times=80 * TURNS), {"periodic": False}, 'give time = "ms"'),
     "periods of a run": ("pitch", rows(times=2 * TURNS), {"periodic": False}, 'give time = "periods"'),
@@ -257,7 +260,7 @@ def test_a_changed_column_or_file_is_read_again(tmp_path):
     assert peak(case.override("motion.pitch.smooth=3").override("motion.pitch.column=3")) == pytest.approx(30)
     with pytest.raises(CaseError, match="line 2 has no column 7"):
         case.override("motion.pitch.column=7")
-    with pytest.raises(CaseError, match=r"motion.pitch.column = 3: of what file\? give file"):
+    with pytest.raises(CaseError, match=r"motion.pitch.column = 3: no file is named; give file"):
         parse_case(case.to_dict()).override("motion.pitch.column=3")
 
 

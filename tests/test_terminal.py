@@ -110,7 +110,7 @@ def test_what_does_not_converge_is_exit_code_1(tmp_path, monkeypatch, capsys):
         lambda cases, *_: [Outcome(dict.fromkeys(QUANTITIES, float(one.dbet.elements))) for one in cases],
     )
     assert app("converge", DBET, *SHORT, "--metric=power_mean") == 1
-    assert "NOT within 1 % at its finest: dbet.elements" in capsys.readouterr().out
+    assert "NOT converged to 1 % at the finest value: dbet.elements" in capsys.readouterr().out
 
 
 def optimise(*more):
@@ -137,7 +137,7 @@ def test_an_interrupted_study_says_how_to_go_on(tmp_path, monkeypatch, capsys):
     assert app("sweep", DBET, *SHORT, "--vary=wing.modes=0,1") == 130
     said = capsys.readouterr().err
     assert said.splitlines()[-1] == (
-        "interrupted: hawkmoth_dbet-map.h5 keeps every finished batch; the same command goes on"
+        "interrupted: hawkmoth_dbet-map.h5 keeps every finished batch; the same command continues"
     )
 
 

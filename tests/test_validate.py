@@ -148,8 +148,8 @@ def test_command_fails_when_a_row_does(one_study):
 
 def test_a_report_is_not_overwritten_by_accident(tmp_path):
     (tmp_path / "validation.md").write_text("mine")
-    with pytest.raises(validation_report.files.OutputError, match="exists already; --overwrite"):
+    with pytest.raises(validation_report.files.OutputError, match="exists already; use --overwrite"):
         validation_report.check_folder(tmp_path, overwrite=False)
     validation_report.check_folder(tmp_path, overwrite=True)
-    with pytest.raises(validation_report.files.OutputError, match="cannot be made"):
+    with pytest.raises(validation_report.files.OutputError, match="cannot be created"):
         validation_report.check_folder(CASES / "hawkmoth.toml", overwrite=True)

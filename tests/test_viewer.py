@@ -278,7 +278,7 @@ def test_an_empty_leftover_gets_one_sentence(tmp_path, run, monkeypatch):
     monkeypatch.setattr("taichiflap_viewer.app.BEGIN_SECONDS", -1.0)
     _begun(run, tmp_path / "run.h5").abandon()
     assert part(tmp_path / "run.h5").exists()
-    with pytest.raises(ResultError, match="holds no frame yet"):
+    with pytest.raises(ResultError, match="has no frame yet"):
         Viewer([tmp_path / "run.h5"])
 
 
@@ -515,7 +515,7 @@ def test_a_run_that_fails_keeps_its_viewer(command):
     while "Ctrl-C" not in line:
         line = process.stdout.readline()
         assert line, process.stderr.read()
-    while "ran away" not in process.stderr.readline():
+    while "diverged" not in process.stderr.readline():
         assert process.poll() is None
     place = urlsplit(line.split()[0])
     with socket.create_connection((place.hostname, place.port), timeout=30.0):

@@ -590,7 +590,7 @@ def test_a_click_on_a_map_computes_its_case_and_lands_among_its_sliders(mapped, 
     front = pareto_front(power.ravel(), lift.ravel())
     np.testing.assert_allclose(line[:, 0, [0, 2]], points[front[:-1]][:, [0, 2]], atol=1e-6)
     np.testing.assert_allclose(line[-1, 1, [0, 2]], points[front[-1]][[0, 2]], atol=1e-6)
-    assert "no other beats" in legend.inner_text()
+    assert "Pareto front" in legend.inner_text()
     assert [one.name[:2] for one in (path.parent / "map-cases").iterdir()] == ["2-"]
 
 

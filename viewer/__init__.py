@@ -1,4 +1,6 @@
-"""The browser viewer of taichiflap's results. Reads them through `taichiflap.results`; the solver never imports it."""
+"""The browser viewer of taichiflap's results. It reads them through `taichiflap.results`; the solver does not import
+it.
+"""
 
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +11,7 @@ __all__ = ["ViewError", "Viewer", "view"]
 
 
 def __getattr__(name: str) -> Any:
-    # viser takes a while to import: `simulate --view` only needs to start another process.
+    # Imported lazily, since viser is slow to import and `simulate --view` only starts another process.
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from . import app  # noqa: PLC0415

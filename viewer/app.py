@@ -1,4 +1,4 @@
-"""The viewer of results: opens the files, and gives every browser a session."""
+"""The viewer of results: opens files and gives every browser a session."""
 
 import threading
 import time
@@ -23,26 +23,26 @@ from .session import Session, opening
 from .timeline import Playback
 
 LOOK_SECONDS = 0.25
-"""How often a file that is being written is looked at."""
+"""Interval at which a growing file is checked, s."""
 BEGIN_SECONDS = 15.0
-"""A file that holds no frame so long after it was last touched will hold none."""
+"""Age, s, after which a file without frames is given up."""
 FORGET_SECONDS = 600.0
-"""How long the place of a browser whose connection dropped is kept."""
+"""Time for which the state of a disconnected browser is kept, s."""
 BROWSER = "taichiflap-browser"
 
 
 class Viewer(Server):
-    """Serves one result, or two compared, to any number of browsers.
+    """Serves one result, or a comparison of two, to any number of browsers.
 
     Args:
         paths: result files, complete or still being written.
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
-        token: whether the address holds a token, without which nobody comes in.
+        token: whether the address contains a token that is required for access.
 
     Raises:
-        ViewError: when there is no such port or address, or too many files.
-        ResultError: when a file cannot be read.
+        ViewError: if the port or address is not available, or for too many files.
+        ResultError: if a file cannot be read.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class Viewer(Server):
         self._dropped: dict[str, list[tuple[float, Playback]]] = {}
         self._browsers: dict[int, str] = {}
         camera.start(self.server, self.runs[0].box)
-        # A page shows this from the start, until its own session takes over.
+        # Shown by a page until its own session starts.
         self._set_backdrop()
         self.serve(self._connect, self._disconnect, self._follow)
 
@@ -78,7 +78,7 @@ class Viewer(Server):
         session = Session(client, self.runs, opening(self.runs), self._fields)
         if not self._welcome(client, session):
             return
-        # The answer comes when the page has worked its way through what was sent until now.
+        # The answer arrives when the page has processed all messages sent so far.
         browser = _browser(client)
         with self._lock:
             if client.client_id not in self._sessions:
@@ -92,7 +92,7 @@ class Viewer(Server):
         self._guard(session.start, playback)
 
     def _forget(self) -> None:
-        """Drop the places of browsers that have been away for long, of those too that never come back."""
+        """Delete the states of browsers that have been disconnected for too long."""
         now = time.monotonic()
         for browser, places in list(self._dropped.items()):
             recent = [place for place in places if now - place[0] < FORGET_SECONDS]
@@ -120,7 +120,7 @@ class Viewer(Server):
 
 
 def _browser(client: Any) -> str:
-    """What tells one browser from another when it comes back: a name that it keeps for us."""
+    """Identifier that a browser stores, to recognise it when it reconnects."""
     try:
         known = client.local_storage.get_item(BROWSER, timeout=2.0)
         if not known:
@@ -132,14 +132,14 @@ def _browser(client: Any) -> str:
 
 
 def _open(path: Path) -> Result:
-    """Open a file, waiting for its first frame if it has just been begun."""
+    """Open a file, waiting for its first frame if the run has just started."""
     while True:
         try:
             result = open_result(path)
             if result.frames or result.status != "running":
                 return result
             result.close()
-            problem = ResultError(f"{path}: holds no frame yet")
+            problem = ResultError(f"{path}: has no frame yet")
         except ResultError as error:
             problem = error
         begun = path if path.name.endswith(PART) else part(path)
@@ -165,14 +165,14 @@ def view(
     token: bool = True,
     trust: bool = False,
 ) -> None:  # pragma: no cover
-    """Show one result, or two compared, or a map, until interrupted.
+    """Show one result, a comparison of two, or a map, until interrupted.
 
     Args:
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
-        browser: open the system's browser, where there is one.
-        token: whether the address holds a token, without which nobody comes in.
-        trust: run cases of a map whose fluid model is a module from elsewhere.
+        browser: open the system's browser, if any.
+        token: whether the address contains a token that is required for access.
+        trust: allow cases of a map to run an external fluid model.
     """
     viewer: Server
     if len(paths) == 1 and is_map(Path(paths[0])):

@@ -1,8 +1,8 @@
-"""The flow behind the wing in one browser: pictures with arrows, each shown with its own frame or not at all.
+"""The flow behind the wing in one browser: images with arrows, each shown only with its own frame.
 
-A page decodes a picture some time after it was sent, and gives up one that the next follows too soon. So every picture
-is a node of the scene of its own, sent ahead and hidden; what moves from frame to frame is which of them is visible,
-and that goes out together with the wing.
+A page decodes an image some time after it was sent, and drops it if the next one follows too soon. Every image is
+therefore a separate hidden node of the scene, sent in advance. From frame to frame only the visibility changes, in the
+same message as the wing.
 """
 
 import contextlib
@@ -21,13 +21,13 @@ from .legend import Bar
 from .scene import FIELD, place
 
 PICTURES = 40
-"""A beat is played through so many pictures at most."""
+"""Maximum number of images per beat."""
 AHEAD = 6
-"""Pictures that are asked for ahead of the frame shown."""
+"""Number of images requested ahead of the current frame."""
 KEPT = 64
-"""Pictures that a page holds."""
+"""Maximum number of images in a page."""
 
-# An image lies in its own x and y, rows along y: a quarter turn about x stands it up.
+# An image is in its own x-y plane; a rotation by 90 degrees about x makes it upright.
 UPRIGHT = (np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0)
 
 
@@ -36,8 +36,8 @@ class Background:
 
     Args:
         fields: the flow around the result.
-        lock: held while anything that the browser sees changes.
-        told: called once, when the first flow has set the ranges of the colours.
+        lock: lock held during changes of the scene.
+        told: called once, when the first flow has set the colour ranges.
     """
 
     def __init__(self, client: Any, fields: Fields, lock: threading.RLock, told: Callable[[], None]) -> None:
@@ -49,21 +49,21 @@ class Background:
         self._flow: Flow | None = None
 
     def forget(self) -> None:
-        """Take notice that the scene has been emptied."""
+        """Reset after the scene has been cleared."""
         self._pictures.clear()
         self._shown = None
 
     def step(self, index: int) -> int:
-        """The frame with a picture that is shown in the place of a frame while playing."""
+        """Frame whose image is shown for a given frame during playback."""
         return index - index % self.stride
 
     @property
     def stride(self) -> int:
-        """Frames from one picture to the next while playing."""
+        """Number of frames per image during playback."""
         return max(1, round(self._fields.run.frames_per_beat / PICTURES))
 
     def show(self, kind: str, index: int, theme: Theme, coming: Iterable[int] = ()) -> None:
-        """Show the flow of a frame, or none until it is there; have that of the frames to come at hand."""
+        """Show the flow of a frame as soon as it is available, and prepare that of the next frames."""
         if (kind, theme) != self._style:
             for picture in self._pictures.values():
                 picture.remove()
@@ -76,11 +76,11 @@ class Background:
             self._ask(wanted)
 
     def bar(self, kind: str, theme: Theme) -> Bar | None:
-        """What the legend says about it, once there is a flow to tell the ranges."""
+        """Entry in the legend, available after the first flow has set the ranges."""
         return field.bar(kind, theme, self._fields.limits(self._flow)) if self._flow else None
 
     def at(self, right: float, up: float) -> str:
-        """Speed and vorticity at a place of the scene, in words; nothing beyond the picture, or before there is one."""
+        """Speed and vorticity at a point of the scene as text; empty outside the image or before it exists."""
         if self._shown is None or self._shown not in self._pictures:
             return ""
         flow = self._fields.ask(self._shown)
@@ -109,7 +109,7 @@ class Background:
             self._waiting.discard(index)
             if found.cancelled() or self._style[0] == NONE:
                 return
-            # The browser may have left, and a file may be in the middle of a write.
+            # The browser may have disconnected, or a file may be in the middle of a write.
             with contextlib.suppress(RuntimeError, OSError), self._client.atomic():
                 self._paint(index, found.result())
 

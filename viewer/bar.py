@@ -1,4 +1,4 @@
-"""The timeline along the foot of a page: drawn by a script of the page's, told by elements of viser's."""
+"""The timeline at the bottom of a page: drawn by a script in the page, updated through viser elements."""
 
 from importlib import resources
 from pathlib import Path
@@ -14,12 +14,13 @@ from .timeline import LOOPS, SPEEDS, Playback, span, speed_name
 _STYLE, _SCRIPT = (Path(__file__).with_name(name).read_text("utf-8") for name in ("bar.css", "bar.js"))
 _LINE = resources.files("taichiflap.drawing").joinpath("timeline.js").read_text("utf-8")
 HEAD = f"<style>{_STYLE}</style><script>{channel.SCRIPT}{_LINE}{_SCRIPT}</script>"
-"""For the head of viser's page."""
+"""HTML for the head of viser's page."""
 
 POINTS = 600
-"""Points of the overview curve."""
+"""Number of points of the overview curve."""
 OUTLYING = 1.0
-"""Percent of that curve that may lie above or below the bar: a spike at the start would flatten all the rest."""
+"""Percentage of that curve that may be cut off at either end, so that a spike at the start does not flatten the rest.
+"""
 MOST_REVERSALS = 400
 
 
@@ -28,7 +29,7 @@ class Bar:
 
     Args:
         client: the browser.
-        run: the result whose frames it counts.
+        run: the result whose frames it shows.
     """
 
     def __init__(self, client: Any, run: Run) -> None:
@@ -36,7 +37,7 @@ class Bar:
         self.tell(run)
 
     def tell(self, run: Run) -> None:
-        """Say what the run is; again when it has grown, or is another."""
+        """Send the run's properties; repeated when it grows or changes."""
         name = "lift" if any(run.case.fluid.velocity) else "force_vertical"
         _, values = run.curve(name, 0, run.steps - 1, POINTS)
         known = values[np.isfinite(values)]
@@ -52,7 +53,7 @@ class Bar:
         self._run.content = hidden("tf-run", told)
 
     def show(self, run: Run, playback: Playback, frame: int, text: str) -> None:
-        """Say where the page is."""
+        """Send the current frame."""
         now = {
             "frame": frame, "playing": playback.playing, "speed": speed_name(playback), "loopName": playback.loop,
             "loop": span(run, playback), "dark": playback.dark, "text": text,

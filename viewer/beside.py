@@ -1,4 +1,4 @@
-"""The viewer beside a simulation, in a process of its own: neither waits for the other."""
+"""The viewer during a simulation, in a separate process, so that neither waits for the other."""
 
 import subprocess
 import sys
@@ -13,13 +13,13 @@ LOOK_SECONDS = 0.1
 
 
 class Beside:
-    """Shows a result file from when it is begun; use it as a context around what writes the file.
+    """Context around the code that writes a result file; shows the file from its creation.
 
-    On leaving, it serves on until it is interrupted; after an error or an interruption it stops at once.
+    At the end the viewer stays open until it is interrupted; after an error or interruption it stops at once.
 
     Args:
         path: the final name of the file.
-        options: more arguments of the `view` command.
+        options: additional arguments of the `view` command.
     """
 
     def __init__(self, path: Path, *options: str) -> None:
@@ -42,14 +42,14 @@ class Beside:
         if self._process is None:
             if kind is not None:
                 return
-            # The run was over before anyone looked.
+            # The run ended before the viewer started.
             self._process = self._view(self._path)
         if kind is not None:
             self._process.terminate()
         try:
             self._process.wait()
         except KeyboardInterrupt:
-            # The terminal has told the viewer as well.
+            # The terminal has sent the signal to the viewer as well.
             self._process.wait()
 
     def _start(self) -> None:
@@ -62,7 +62,7 @@ class Beside:
         return subprocess.Popen([sys.executable, "-m", "taichiflap", "view", str(file), *self._options])
 
     def _touched(self) -> int:
-        """When the file was last written, if there is one: a crash may have left one of this name."""
+        """Time of the last write to the file, if it exists; a crash may have left a file of this name."""
         try:
             return self._file.stat().st_mtime_ns
         except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""A flat view: a narrow lens from afar, straight on, that pans and zooms but does not turn."""
+"""A flat view: a narrow, distant camera that pans and zooms but does not rotate."""
 
 import math
 import threading
@@ -16,20 +16,20 @@ Box = Sequence[float] | NDArray[np.floating]
 Point = tuple[float, float, float]
 
 FIELD_OF_VIEW = math.radians(8.0)
-"""Narrow enough to look flat: viser has no parallel projection."""
+"""Field of view, narrow enough to look flat, since viser has no parallel projection."""
 MARGIN = 1.08
-"""What is seen over what the box takes."""
+"""Ratio of the visible area to the box."""
 NARROW = 576.0
-"""viser shows a window of fewer pixels its controls on a sheet at the bottom."""
+"""Width in pixels below which viser shows its controls in a sheet at the bottom."""
 SHEET = 0.45
-"""Share of such a window that the sheet takes; see `narrow`."""
+"""Share of such a window covered by the sheet; see `narrow`."""
 LEGEND_PIXELS = 250.0
-"""A wide window has this much free on the left."""
+"""Pixels kept free on the left of a wide window."""
 NEAREST, FARTHEST = 3.0, 2000.0
 """Bounds of the camera's distance, chords."""
 
-# viser offers no way to stop the camera from turning. Its page holds a camera-controls object, though: there, the
-# left button comes to pan as the right one does, one finger as three do, and both angles are held where they are.
+# viser has no option to disable rotation. Its page has a camera-controls object, in which the left button is set to pan
+# like the right one, one finger like three, and both angles are fixed.
 LOCK = """
 let tries = 0;
 const lock = () => {
@@ -49,11 +49,11 @@ lock();
 
 
 def home(box: Box, width: float, height: float, aside: float = LEGEND_PIXELS) -> tuple[Point, Point]:
-    """Position of the camera and what it looks at, to see a box (left, bottom, right, top; chords) whole.
+    """Position and target of the camera to see a whole box (left, bottom, right, top; chords).
 
     Args:
-        width, height: of the canvas, pixels.
-        aside: pixels that a wide window keeps free on the left.
+        width, height: size of the canvas, pixels.
+        aside: pixels kept free on the left of a wide window.
     """
     left, bottom, right, top = (float(edge) for edge in box)
     sheet = SHEET * height if 1.0 < width <= NARROW else 0.0
@@ -65,7 +65,7 @@ def home(box: Box, width: float, height: float, aside: float = LEGEND_PIXELS) ->
 
 
 def narrow() -> str:
-    """A style sheet, as HTML, that spreads viser's sheet over the width of a narrow window, below the scene."""
+    """HTML style that gives viser's sheet the full width of a narrow window, below the scene."""
     sheet = '[style*="position: fixed"][style*="width: 20em"]'
     return (
         f"<style>@media (max-width: {NARROW:g}px) {{"
@@ -75,7 +75,7 @@ def narrow() -> str:
 
 
 def start(server: viser.ViserServer, box: Box) -> None:
-    """Give pages that are yet to open their view, so that the first picture is the right one."""
+    """Set the initial view of new pages."""
     position, target = home(box, 1.0, 1.0)
     camera = server.initial_camera
     camera.fov = FIELD_OF_VIEW
@@ -85,11 +85,11 @@ def start(server: viser.ViserServer, box: Box) -> None:
 
 
 class View:
-    """The camera of one browser: fitted to the window, and to its changes until somebody pans or zooms.
+    """The camera of one browser: fitted to the window until the user pans or zooms.
 
     Args:
-        box: what the first view shows: left, bottom, right, top; chords.
-        aside: pixels that a wide window keeps free on the left.
+        box: initial view: left, bottom, right, top; chords.
+        aside: pixels kept free on the left of a wide window.
     """
 
     def __init__(self, client: Any, box: Box, aside: float = LEGEND_PIXELS) -> None:
@@ -97,7 +97,7 @@ class View:
         self._camera = client.camera
         self._camera.min_orbit_distance, self._camera.max_orbit_distance = NEAREST, FARTHEST
         self._lock = threading.Lock()
-        # Those on their way to the browser too: its answers to them may yet come.
+        # Including views sent to the browser whose answers may still arrive.
         self._homes: deque[Any] = deque(maxlen=4)
         self._size = (0, 0)
         self._over = False
@@ -105,7 +105,7 @@ class View:
         self._camera.on_update(self._refit)
 
     def reset(self) -> None:
-        """Turn back to the first view."""
+        """Return to the initial view."""
         with self._lock:
             self._size = self._camera.image_width, self._camera.image_height
             position, target = home(self.box, *self._size, self._aside)
@@ -116,20 +116,20 @@ class View:
             self._camera.look_at = np.array(target)
 
     def look_at(self, x: float, z: float, distance: float) -> None:
-        """Look at a place of the scene, from so far; not back at the first view when the window changes."""
+        """Look at a point of the scene from a distance; the view is kept when the window changes."""
         with self._lock:
             distance = min(max(distance, NEAREST), FARTHEST)
             self._homes.clear()
             self._camera.position, self._camera.look_at = np.array((x, -distance, z)), np.array((x, 0.0, z))
 
     def fit(self, box: Box) -> None:
-        """Take another box for the first view, and show it unless somebody has panned or zoomed."""
+        """Set another initial view, and show it unless the user has panned or zoomed."""
         self.box = box
         if self._untouched(self._camera):
             self.reset()
 
     def leave(self) -> None:
-        """Leave the camera to another view of the same browser."""
+        """Release the camera for another view of the same browser."""
         self._over = True
 
     def _untouched(self, seen: Any) -> bool:
@@ -142,5 +142,5 @@ class View:
 
 
 def lock_rotation(client: Any) -> bool:
-    """Keep a browser's view from turning; False if this viser has no way to."""
+    """Disable rotation in a browser; False if this version of viser does not allow it."""
     return wire.run(client, LOCK)

@@ -1,4 +1,4 @@
-"""Curves over time beside the scene, each with its unit and a dot at the frame that the scene shows."""
+"""Charts of series over time, with units and a dot at the current frame."""
 
 import math
 from collections.abc import Iterator
@@ -19,14 +19,15 @@ from .scene import common_ranges
 from .timeline import ALL, LAST_BEAT, THIS_BEAT, Playback
 
 POINTS = 241
-"""Most points of a curve: a chart is narrower than that."""
+"""Maximum number of points of a curve."""
 HEIGHT = 106
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Okabe and Ito's."""
 WINDOWS = (LAST_BEAT, THIS_BEAT, ALL)
 NUDGE = 1e-9
-"""Share of the time axis by which its end moves to and fro. A page that gets new data in the moment in which it learns
-how wide a chart is forgets to put numbers on its axes, unless their range changes as well."""
+"""Small change of the end of the time axis. A page that receives new data while a chart is resized omits the axis
+numbers unless the range changes as well.
+"""
 
 
 @dataclass(frozen=True)
@@ -47,17 +48,17 @@ SHEDDING = Quantity("leading_edge_sheds", "Leading edge sheds", "1: yes, 0: no",
 
 FORCES = (("force_normal", "Force along the wing's normal"), ("force_vertical", "Vertical force"))
 IN_STREAM = (("lift", "Lift across the stream"), ("thrust", "Thrust against the stream"))
-"""Forces that are shown, and their titles."""
+"""Force series and their titles."""
 
 
 def quantities(runs: list[Run]) -> list[Quantity]:
-    """What the charts of some results show, in units that suit the largest."""
+    """Charts of some results, in units that suit the largest values."""
     ranges = common_ranges(runs)
     length, metres = prefixed(max(run.chord for run in runs), "m")
     force, newtons = prefixed(ranges.force, "N")
     power, watts = prefixed(ranges.force * ranges.speed, "W")
     first = Quantity("tip_deflection", "Tip deflection", metres, length)
-    if not any(len(run.shape) for run in runs):  # no wing bends: what moves instead
+    if not any(len(run.shape) for run in runs):  # rigid wings: show the motion instead
         plunges = any(run.path is not None for run in runs)
         degrees = 180.0 / math.pi
         first = Quantity("plunge", "Plunge", metres, length) if plunges else Quantity("pitch", "Pitch", "deg", degrees)
@@ -75,7 +76,7 @@ def quantities(runs: list[Run]) -> list[Quantity]:
 
 
 def _own(runs: list[Run]) -> Iterator[Quantity]:
-    """The series that only the fluid model of these results knows."""
+    """Series that only the fluid model of these results defines."""
     for name in runs[0].variables:
         if name not in VARIABLES and all(name in run.variables for run in runs):
             one = runs[0].result.describe(name)
@@ -87,9 +88,9 @@ class Charts:
     """The charts of one browser.
 
     Args:
-        gui: what adds them.
-        tab: where they stand, below all else.
-        runs: one result, or two to compare; the first sets the times.
+        gui: viser's container of the charts.
+        tab: the tab that contains them.
+        runs: one result, or two to compare; the first defines the times.
         modes: whether to show the modal amplitudes of wings that have several.
     """
 
@@ -117,14 +118,14 @@ class Charts:
             }
 
     def show(self, playback: Playback, frame: int, again: bool = False) -> None:
-        """Move the dots to the frame shown; `again` reads the curves anew, from a file that has grown."""
+        """Move the dots to the current frame; `again` reads the curves again after the file has grown."""
         self._load(playback, again)
         self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
             wire.send(self.handles[quantity.name], data=self._data(quantity, frame))
 
     def _load(self, playback: Playback, again: bool = False) -> None:
-        """Read the curves if they are others than before."""
+        """Read the curves if they have changed."""
         run = self.runs[0]
         newest = run.steps - 1
         if playback.window == ALL:
@@ -175,7 +176,7 @@ class Charts:
         if quantity is MODES and len(self.runs) > 1:
             for line in lines[len(self.runs[0].shape) :]:
                 line["dash"] = [5, 4]
-        # uPlot takes the range of what begins with not-a-number for none at all.
+        # uPlot finds no range for data that start with NaN.
         dots = [
             {"stroke": colour, "points": {"show": True, "size": 9, "fill": colour}, "auto": False} for colour in colours
         ]
@@ -183,8 +184,8 @@ class Charts:
 
 
 def caption(runs: list[Run]) -> str:
-    """What the lines of the charts are, as HTML."""
-    text = "Across: time in beats. The dot is the frame shown."
+    """Legend of the charts, as HTML."""
+    text = "Horizontal axis: time in beats. The dot marks the current frame."
     if len(runs) > 1:
         names = " ".join(
             f'<b style="color:{colour}">{escape(run.label)}</b>' for run, colour in zip(runs, RUNS, strict=False)

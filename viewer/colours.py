@@ -1,7 +1,7 @@
 """Colours: two themes, and maps that people with any colour vision can read.
 
-Circulation runs from blue to orange, pressure from magenta to green, both through a neutral that belongs to the
-theme, so that nothing of importance vanishes into the background.
+Circulation runs from blue to orange and pressure from magenta to green, both through a neutral colour of the theme that
+stands out from the background.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ LEVELS = palette.LEVELS
 
 
 class Map:
-    """A colour map, given by evenly spaced `#rrggbb` stops and mixed as `palette` mixes them."""
+    """A colour map, given by evenly spaced `#rrggbb` stops and interpolated as in `palette`."""
 
     def __init__(self, *stops: str) -> None:
         self.stops = stops
@@ -59,15 +59,16 @@ class Theme:
 
 
 RUNS = "#1f7bd0", "#cc5f10"
-"""Of the curves of one result, and of two compared: clear of both backgrounds, so that no chart is made anew for
-another. A page that is sent new data for a chart, and in the same breath that it is gone, complains."""
+"""Colours of curves of one and of two results. They are visible on both backgrounds, so that no chart is rebuilt for
+another theme; a page reports an error if a chart is removed just after new data were sent.
+"""
 
 METRIC = Map("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
-"""Of a metric over a map: viridis, as in print."""
+"""Colours of a metric over a map: viridis, as in figures."""
 
 
 def linear(colours: Colours) -> Colours:
-    """Colours as the corners of lines want them: viser takes those, alone, for linear light."""
+    """Colours for lines, which alone viser interprets as linear light."""
     share = colours / 255.0
     light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     return np.round(255.0 * light).astype(np.uint8)

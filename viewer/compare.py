@@ -1,4 +1,4 @@
-"""What differs between two results: means, peaks and phase over their settled beats."""
+"""Differences between two results: means, peaks and phase over their settled beats."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from .frames import Run
 
 @dataclass(frozen=True)
 class Difference:
-    """A quantity of two results. `relative` is the second's excess in percent, or None for angles and times."""
+    """One metric of two results. `relative` is the difference in percent of the first, or None for angles and times."""
 
     name: str
     unit: str
@@ -23,14 +23,14 @@ class Difference:
 
     @property
     def change(self) -> str:
-        """The second less the first."""
+        """Second minus first."""
         if self.relative is None:
             return f"{self.second - self.first:+.3g}"
         return f"{self.relative:+.1f} %"
 
 
 def differences(first: Run, second: Run) -> list[Difference]:
-    """Differences of two results over their settled beats; none while one of them has no whole beat."""
+    """Differences of two results over their settled beats; empty if one of them has no whole beat."""
     a, b = first.summary(), second.summary()
     if a is None or b is None:
         return []
@@ -51,7 +51,7 @@ def _compared(a: Summary, b: Summary) -> Iterator[Difference]:
         yield Difference(name, shown, factor * one, factor * other, 100.0 * (other - one) / abs(one) if one else None)
     if a.force_normal_phase is not None and b.force_normal_phase is not None:
         one, other = a.force_normal_phase, b.force_normal_phase
-        # The short way round.
+        # The smaller of both angles.
         yield Difference("normal force, phase", "deg", one, one + (other - one + 180.0) % 360.0 - 180.0, None)
     if a.tip_peak.mean and b.tip_peak.mean:
         one, other = a.tip_peak_after_reversal, b.tip_peak_after_reversal
@@ -67,7 +67,7 @@ def text(first: Run, second: Run) -> Iterator[str]:
     yield f"B = {second.label}: {second.title}"
     found = differences(first, second)
     if not found:
-        yield "no whole beat in both yet: no differences"
+        yield "differences need one whole beat in both results"
         return
     yield f"{'':<28}{'A':>10}{'B':>10}  {'B against A'}"
     for one in found:
@@ -78,7 +78,7 @@ def table(first: Run, second: Run, colours: Sequence[str] = RUNS, heads: tuple[s
     """The differences as an HTML table.
 
     Args:
-        heads: of the two columns; the labels of the results, if None.
+        heads: headings of both columns; the labels of the results if None.
     """
     rows = "".join(
         f"<tr><td>{one.name.capitalize()}, {one.unit}</td>"

@@ -1,10 +1,10 @@
-"""Who may come in: viser serves whoever reaches its port, so its call of `websockets.serve` gets a door.
+"""Access control: viser serves any client of its port, so that its call of `websockets.serve` is wrapped here.
 
-As with Jupyter, the address holds a random token, and requests that name another host or come from the page of another
-site are refused: a page elsewhere in the user's browser cannot connect, with DNS rebinding or without.
+As with Jupyter, the address holds a random token, and requests that name another host or come from another site's page
+are refused. Other pages in the user's browser cannot connect, even with DNS rebinding.
 
-Private to viser: `viser.infra._infra.websockets`, through which it opens its port, and its page's file. A viser without
-them does not start, instead of starting open.
+It relies on private parts of viser: `viser.infra._infra.websockets`, which opens the port, and the file of its page.
+    With a viser without them the viewer does not start, so that it is never unprotected.
 """
 
 import contextlib
@@ -32,22 +32,22 @@ from websockets.http11 import Request, Response
 from .messages import Connection
 
 LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
-"""What this machine calls itself."""
+"""Names of this machine."""
 EVERYWHERE = frozenset({"", "0.0.0.0", "::"})
 """Addresses that listen on every network of the machine."""
 LARGEST = 2**20
-"""Bytes of one message from a page."""
+"""Maximum size of a message from a page, bytes."""
 MOST = 24
-"""Pages connected at a time."""
+"""Maximum number of connected pages."""
 OPENING_SECONDS = 10.0
-"""A connection has so long to ask for something."""
+"""Time limit for the first request of a connection, s."""
 INVITATION_SECONDS = 60.0
-"""How long the address that a browser is started with is good for."""
+"""Lifetime of the address with which a browser is started, s."""
 
 PROTOCOL = f"viser-v{viser.__version__}"
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 TITLE = "<title>Viser</title>"
-# viser shows the address of its socket, token and all, behind that of the page.
+# viser appends the address of its socket, including the token, to that of the page.
 HEAD = """<title>taichiflap</title><script>
 const replaceState = history.replaceState.bind(history);
 history.replaceState = (data, title, url) => {
@@ -59,21 +59,21 @@ history.replaceState = (data, title, url) => {
 
 _lock = threading.Lock()
 _log = logging.getLogger(__name__)
-# What strangers send is no error of ours: it is refused, not printed.
+# Invalid requests are refused without logging.
 _log.addHandler(logging.NullHandler())
 _log.propagate = False
 
 
 class Door:
-    """Decides about every request before viser sees it.
+    """Checks every request before viser receives it.
 
     Args:
-        host: the address that the server listens at.
-        token: whether the address holds a token, without which nobody comes in.
+        host: address of the server.
+        token: whether the address contains a token that is required for access.
         head: HTML for the head of the page.
 
     Attributes:
-        refused: how many requests were turned away.
+        refused: number of refused requests.
     """
 
     def __init__(self, host: str, token: bool = True, head: str = "") -> None:
@@ -85,11 +85,11 @@ class Door:
 
     @property
     def path(self) -> str:
-        """The path of the page: with the token, if there is one."""
+        """Path of the page, with the token if any."""
         return f"/{self.token}/" if self.token else "/"
 
     def invite(self) -> str:
-        """A path that leads to the page once, soon: the command line of a browser can be read by other users."""
+        """A short-lived path that works only once, since other users can read the command line of a browser."""
         if not self.token:
             return self.path
         word = secrets.token_urlsafe(24)
@@ -97,42 +97,44 @@ class Door:
         return f"/open/{word}"
 
     def answer(self, connection: Any, request: Request) -> Response | None:
-        """What a request gets: the page, a refusal, or None, which opens a websocket."""
+        """Response to a request: the page, a refusal, or None, which opens a websocket."""
         path = request.path.partition("?")[0].lstrip("/")
         given, _, rest = path.partition("/") if self.token else ("", "", path)
         stranger = self._is_foreign(request.headers)
         if not stranger and self._redeem(given, rest):
             return _say(http.HTTPStatus.SEE_OTHER, "come in", Location=self.path)
         if not stranger and not hmac.compare_digest(given.encode(), self.token.encode()):
-            stranger = "the address is not complete: it ends in a token, as printed where the viewer was started"
+            stranger = "the address is incomplete: it must end with the token printed when the viewer started"
         if stranger:
             self.refused += 1
             return _say(http.HTTPStatus.FORBIDDEN, stranger)
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return self._open(connection, request.headers)
         if rest.strip("/"):
-            return _say(http.HTTPStatus.NOT_FOUND, "there is nothing here")
+            return _say(http.HTTPStatus.NOT_FOUND, "no such page")
         kind = {"Content-Type": "text/html; charset=utf-8", "Content-Encoding": "gzip"}
         return Response(200, "OK", Headers(kind | _common(self._page)), self._page)
 
     def _is_foreign(self, headers: Headers) -> str:
-        """Why a request is none of this machine's, if it is not."""
+        """Why a request is refused; empty if it is allowed."""
         host, origin = _only(headers.get_all("Host")), headers.get_all("Origin")
         if not self._is_ours(_name(host)):
-            return "this viewer is not called that"
-        return "" if not origin or _place(_only(origin)) == host else "a page of another site may not look in here"
+            return "unknown host name of this viewer; use the printed address"
+        return "" if not origin or _place(_only(origin)) == host else "requests from pages of other sites are refused"
 
     @staticmethod
     def _open(connection: Any, headers: Headers) -> Response | None:
         if PROTOCOL not in headers.get("Sec-WebSocket-Protocol", ""):
-            return _say(http.HTTPStatus.BAD_REQUEST, "this page is of another version: reload it")
+            return _say(http.HTTPStatus.BAD_REQUEST, "this page belongs to another version; reload it")
         if len(connection.server.connections) >= MOST:
-            return _say(http.HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST} pages look at this already: close one")
+            return _say(
+                http.HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST} pages are connected, which is the limit; close one"
+            )
         return None
 
     @contextlib.contextmanager
     def kept(self) -> Iterator[None]:
-        """While a `ViserServer` is made in this context, its port gets this door."""
+        """Context in which the port of a new `ViserServer` gets this access control."""
         real, called = _infra.websockets, []
 
         def serve(handler: Any, *place: Any, **options: Any) -> Any:
@@ -154,10 +156,13 @@ class Door:
             finally:
                 _infra.websockets = real
         if not called:
-            raise RuntimeError("this version of viser opens its port in another way: it would be open to all")
+            raise RuntimeError(
+                "this version of viser opens its port in another way, so that access cannot be controlled; install "
+                "the version given in pyproject.toml"
+            )
 
     def _is_ours(self, name: str | None) -> bool:
-        """Whether a host is one by which this machine may be called. An address is: what DNS may forge is a name."""
+        """Whether a host name is allowed. Numeric addresses are, since DNS rebinding needs a name."""
         if name is None:
             return False
         if self.host not in EVERYWHERE:
@@ -170,10 +175,12 @@ class Door:
 
 @functools.cache
 def _page(head: str) -> bytes:
-    """viser's page, with our title and head, packed once for all."""
+    """viser's page with our title and head, compressed once."""
     text = PAGE.read_text("utf-8")
     if TITLE not in text:
-        raise RuntimeError(f"this version of viser has another page: no {TITLE} in it")
+        raise RuntimeError(
+            f"the page of this version of viser has no {TITLE}; install the version given in pyproject.toml"
+        )
     return gzip.compress(text.replace(TITLE, HEAD + head, 1).encode(), 6, mtime=0)
 
 
@@ -181,7 +188,7 @@ def _common(body: bytes) -> dict[str, str]:
     return {
         "Content-Length": str(len(body)), "Cache-Control": "no-store", "Referrer-Policy": "no-referrer",
         "X-Content-Type-Options": "nosniff",
-        # A notebook on this machine may show the page.
+        # Notebooks on this machine may embed the page.
         "Content-Security-Policy": "frame-ancestors 'self' http://localhost:* http://127.0.0.1:*",
     }  # fmt: skip
 

@@ -1,6 +1,6 @@
-"""The flow around the wing: vorticity or speed as a picture, velocity as arrows.
+"""The flow around the wing: vorticity or speed as an image, velocity as arrows.
 
-The velocity is the fluid model's own; vorticity is the curl of that same velocity.
+The velocity is that of the fluid model; vorticity is its curl.
 """
 
 import threading
@@ -19,11 +19,11 @@ from .scene import ARROWS, arrows
 
 NONE, VORTICITY, SPEED = BACKGROUNDS = ("none", "vorticity", "speed")
 ACROSS = 256
-"""Points along the longer side of the picture."""
+"""Number of points along the longer side of the image."""
 SPACING = 11
-"""Points from one velocity arrow to the next."""
+"""Number of points between velocity arrows."""
 MARGIN, ASIDE = 0.4, 1.8
-"""The picture reaches so far beyond the first view, above and below it and beside it, chords."""
+"""Margin of the image around the initial view, vertically and horizontally, chords."""
 REACH = 0.3
 """Length of a velocity arrow of full range, chords."""
 KEPT = 64
@@ -38,13 +38,13 @@ class Flow:
     vorticity: Array
 
     def picture(self, kind: str, theme: Theme, limits: tuple[float, float]) -> NDArray[np.uint8]:
-        """The picture (row, column, 3), top row first; `limits` are those of vorticity and speed."""
+        """The image (row, column, 3), top row first; `limits` are those of vorticity and speed."""
         if kind == VORTICITY:
             return theme.vorticity.symmetric(self.vorticity[::-1], limits[0])
         return theme.speed.between(np.hypot(*self.velocity)[::-1], 0.0, limits[1])
 
     def at(self, right: float, up: float) -> str:
-        """Speed and vorticity in the picture's point nearest to a place (chords), in words; nothing beyond it."""
+        """Speed and vorticity at the image point nearest to a position (chords), as text; empty outside."""
         rows, columns = self.vorticity.shape
         left, bottom, east, top = self.box
         column, row = (right - left) / (east - left) * columns, (up - bottom) / (top - bottom) * rows
@@ -71,12 +71,12 @@ class Flow:
 
 
 class Fields:
-    """The flow of a result's frames, computed once for all browsers, away from their thread.
+    """The flow of a result's frames, computed once for all browsers, in another thread.
 
-    All of Taichi's work is done by one thread of its own, which it wants.
+    Taichi runs in one dedicated thread, as it requires.
 
     Args:
-        worker: that thread, if there is one already.
+        worker: this thread, if it exists.
     """
 
     def __init__(self, run: Run, worker: ThreadPoolExecutor | None = None) -> None:
@@ -87,11 +87,11 @@ class Fields:
         self._flows: OrderedDict[tuple[int, int], Future[Flow]] = OrderedDict()
         self._limits: tuple[float, float] | None = None
         if run.draws_flow:
-            # Taichi takes a second to start, and holds up all else: now, before there is a page to hold up.
+            # Start Taichi now, which blocks everything for a second, before the first page opens.
             self._worker.submit(self._velocity, 0, np.zeros((2, 1)))
 
     def ask(self, index: int) -> "Future[Flow]":
-        """The flow of a frame, at once or as soon as it is computed."""
+        """The flow of a frame, available at once or as soon as it is computed."""
         key = self.run.surveys, index
         with self._lock:
             if key not in self._flows:
@@ -102,7 +102,7 @@ class Fields:
             return self._flows[key]
 
     def limits(self, flow: Flow) -> tuple[float, float]:
-        """Ranges of vorticity and speed: those of the first flow looked at, for good."""
+        """Ranges of vorticity and speed, fixed by the first computed flow."""
         if self._limits is None:
             spin = np.percentile(np.abs(flow.vorticity), 99.0)
             speed = np.percentile(np.hypot(*flow.velocity), 99.5)
@@ -110,7 +110,7 @@ class Fields:
         return self._limits
 
     def close(self) -> None:
-        """Let the thread go, unless it is another's."""
+        """Stop the thread, unless it belongs to another object."""
         if self._owns:
             self._worker.shutdown(wait=True, cancel_futures=True)
 
@@ -125,7 +125,7 @@ class Fields:
         along_y, along_z = self._velocity(index, places * run.chord)
         velocity = np.moveaxis(run.page.on_page(along_y, along_z), -1, 0).astype(np.float32)
         step = finest * run.chord
-        # The page is (Y, Z) turned, so the curl keeps its sign.
+        # The page is (Y, Z) rotated, so that the curl keeps its sign.
         vorticity = np.gradient(velocity[1], step, axis=1) - np.gradient(velocity[0], step, axis=0)
         return Flow(box, velocity, vorticity)
 
@@ -135,7 +135,7 @@ class Fields:
 
 
 def bar(kind: str, theme: Theme, limits: tuple[float, float]) -> Bar | None:
-    """What the legend says about a background."""
+    """Entry of a background in the legend."""
     spin, speed = limits
     remark = f"its arrows: {REACH:g} chord = {speed:g} m/s"
     if kind == VORTICITY:
@@ -146,7 +146,7 @@ def bar(kind: str, theme: Theme, limits: tuple[float, float]) -> Bar | None:
 
 
 def _axes(box: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Middles of the picture's columns and rows, chords."""
+    """Centres of the image's columns and rows, chords."""
     left, bottom, right, top = box
     rows, columns = shape
     return (

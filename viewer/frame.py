@@ -1,4 +1,4 @@
-"""One instant of a result, as the scene needs it."""
+"""One instant of a result, as needed by the scene."""
 
 from collections.abc import Hashable
 from dataclasses import dataclass, field
@@ -12,11 +12,11 @@ Array = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Frame:
-    """One frame. Positions in chords, to the right and up, as `taichiflap.drawing.orientation` turns them.
+    """One frame. Positions in chords, to the right and up, rotated as in `taichiflap.drawing.orientation`.
 
     Attributes:
         index: number of the frame.
-        text: its time in words.
+        text: its time as text.
         nodes: the deformed wing, leading to trailing edge, shape (node, 2).
         chord: both ends of the undeformed chord, shape (2, 2).
         axes: unit vectors of the wing frame: chordwise and normal, shape (2, 2).
@@ -24,10 +24,10 @@ class Frame:
         force: force of the fluid on the wing, N, shape (2,).
         velocity: velocity of the nodes relative to the free stream, m/s, shape (node, 2).
         wake: positions of the wake vortices, oldest first, shape (vortex, 2).
-        circulation: of the wake vortices, m2/s.
-        age: time since each was shed, beats.
-        edge: that shed them, 0 the trailing and 1 the leading edge.
-        drawn: what has been drawn of the frame, by style and layer, for all browsers of that style.
+        circulation: circulation of the wake vortices, m2/s.
+        age: time since shedding, beats.
+        edge: edge that shed them, 0 for trailing and 1 for leading edge.
+        drawn: cached drawings of the frame by style and layer, shared by all browsers.
     """
 
     index: int
@@ -47,5 +47,5 @@ class Frame:
 
     @property
     def size(self) -> int:
-        """Bytes held, about: what will be drawn of the frame takes as much again."""
+        """Approximate memory, bytes; drawings of the frame need about the same again."""
         return 2 * sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))

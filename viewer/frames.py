@@ -1,6 +1,6 @@
-"""A result as the scene needs it: one frame at a time, in chords, with sideways to the right and lift upwards.
+"""A result as needed by the scene: one frame at a time, in chords, with the stream to the right and lift up.
 
-Nothing else of the viewer touches the file. Frames are kept in a small cache that all browsers share.
+Only this module reads the file. Frames are kept in a small cache shared by all browsers.
 """
 
 import contextlib
@@ -24,31 +24,31 @@ from .survey import Ranges, survey
 from .watch import Watch
 
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
-"""What HDF5 says of a file that changes under its reader, or that is closed until the next look."""
+"""Exceptions of HDF5 for a file that changes during reading, or is closed until the next refresh."""
 
 IN_STREAM = ("lift", "thrust")
-"""Forces that no file holds."""
+"""Forces derived from stored ones."""
 CACHE_BYTES = 2**25
 SURVEYED = 12
-"""Frames looked at to choose the ranges of colours and the first view."""
+"""Number of frames used to choose colour ranges and the initial view."""
 
 
 class Run:
-    """A result file, complete or growing, that many browsers look at.
+    """A result file, complete or growing, shared by all browsers.
 
     Args:
         result: the open result; the run closes it.
-        label: what to call it beside another.
-        like: another run, whose ranges and first view this one takes instead of its own.
+        label: short name in comparisons.
+        like: another run whose ranges and initial view are used.
 
     Attributes:
-        page: which way up it is shown.
-        path: both ends of the pivot's way in the last beat, chords, shape (2, 2); None if it stays where it is.
-        trouble: what has become of the file since, in a sentence; nothing as long as it is the one that was opened.
-        ranges, box: what colours and arrows are scaled by, and the box (left, bottom, right, top; chords) of the
-            first view. A growing run looks at itself again each time that it has doubled, and when it is complete.
-        surveys: how often it has done so.
-        content: the bytes of the file, where somebody keeps them.
+        page: orientation of the page.
+        path: both ends of the pivot's path in the last beat, chords, shape (2, 2); None if it is at rest.
+        trouble: sentence about a changed or deleted file; empty if it is unchanged.
+        ranges, box: scales of colours and arrows, and the box (left, bottom, right, top; chords) of the initial view.
+            For a growing run they are updated each time its length doubles, and when it is complete.
+        surveys: number of these updates.
+        content: content of the file in bytes, if kept in memory.
     """
 
     def __init__(self, result: Result, label: str, like: "Run | None" = None) -> None:
@@ -63,7 +63,7 @@ class Run:
         self.trouble = ""
         self._document = result.attributes["case"]
         self._begin_to_watch()
-        # Of a motion that does not repeat, nothing is known beyond its end.
+        # A non-periodic motion is undefined beyond its end.
         beats = 1.0 + self.case.motion.growth / self.case.beat if self.case.periodic else 1.0
         self._turns = len(reversals(self.case, 0.0, beats)) > 0
         self._lock = threading.RLock()
@@ -74,7 +74,7 @@ class Run:
         self._summary: Summary | None = None
         self.content = b""
         if not result.frames:
-            raise ResultError(f"{result.path}: holds no frame yet")
+            raise ResultError(f"{result.path}: has no frame yet")
         self._model = fluids.known(self.case.solver)
         self.draws_flow = self._model is not None and self._model.draws_flow
         self._load()
@@ -84,7 +84,7 @@ class Run:
         self.frames = self.result.frames
         self.steps = self.result.steps
         self.status = self.result.status
-        # What went wrong; where exactly, and what is likely to help, `info` tells.
+        # Only the short reason; `info` prints details and cures.
         self.reason = str(self.result.attributes.get("reason", "")).partition(";")[0].partition(". ")[0]
         self.has_wake, self.has_sheets = self.result.has_wake, self.result.has_sheets
         self.variables = self.result.variables
@@ -97,12 +97,12 @@ class Run:
 
     @property
     def live(self) -> bool:
-        """Whether more frames may come."""
+        """Whether the run is still growing."""
         return self.status == "running"
 
     @property
     def progress(self) -> str:
-        """How far a growing run is, and how long it will take at the pace that was seen."""
+        """Progress of a growing run, and estimated time left."""
         done, seconds = self.steps - self._first_seen[0], time.monotonic() - self._first_seen[1]
         share = f"{100 * (self.steps - 1) // self.case.steps} %"
         if done < self.case.steps / 100 or seconds < 1.0:
@@ -116,7 +116,7 @@ class Run:
         return max(1, int(round((self.steps - 1) / self.steps_per_beat, 9)))
 
     def refresh(self) -> bool:
-        """Look for new frames, and whether the file is still the one that was opened; whether there is any news."""
+        """Check for new frames and for a changed file; returns whether anything has changed."""
         with self._lock:
             before = self.trouble
             grown = self.live and not before and self._grow()
@@ -124,15 +124,15 @@ class Run:
             return grown or self.trouble != before
 
     def _grow(self) -> bool:
-        """Look for new frames; whether there are any. A file in the middle of a write is left for later."""
+        """Check for new frames; returns whether there are any. A file in the middle of a write is checked later."""
         before = self.steps, self.status
         try:
             self.result.refresh()
-            # What was read from the file's end while it was being written is not to be trusted.
+            # Frames read from the end of a growing file may be incomplete.
             self._cache.clear()
             self._held = 0
             if self.result.attributes["case"] != self._document:
-                self.trouble = f"{self.label} is another result now: start the viewer again to see it."
+                self.trouble = f"{self.label} has been replaced by another result; restart the viewer to see it."
                 return False
             if self.result.path != self._path or self.result.status != self.status:
                 self._begin_to_watch()
@@ -157,7 +157,7 @@ class Run:
         return float(self.case.step_of(index)) / self.steps_per_beat
 
     def beat_of(self, index: int) -> tuple[int, float]:
-        """Number of the beat of a frame, from 1, and t/T within it; a run's very end belongs to its last beat."""
+        """Beat of a frame, counted from 1, and t/T within it; the end of a run belongs to its last beat."""
         passed = round(self.turns(index), 9)
         number = int(passed)
         if 0 < passed == number and index == self.frames - 1:
@@ -168,7 +168,7 @@ class Run:
         """The frame nearest to a time in beats."""
         last = self.frames - 1
         found = min(max(round(beats * self.frames_per_beat), 0), last)
-        # The last frame of a run may be nearer to the one before it than the others are.
+        # The last frame of a run may have a shorter interval than the others.
         return last if abs(self.turns(last) - beats) < abs(self.turns(found) - beats) else found
 
     def step_at(self, beats: float) -> int:
@@ -176,15 +176,15 @@ class Run:
         return min(max(round(beats * self.steps_per_beat), 0), self.steps - 1)
 
     def reversals(self) -> list[int]:
-        """Frames of the stroke reversals, in order; none if the wing does not plunge."""
+        """Frames of the stroke reversals, in order; empty without plunge."""
         found = reversals(self.case, 0.0, self.turns(self.frames - 1))
         return [self.index_at(float(beats)) for beats in found]
 
     def half_stroke(self, index: int) -> str:
-        """Which way the wing moves at a frame; nothing where it does not plunge back and forth."""
+        """Direction of the half-stroke at a frame; empty if the wing does not plunge back and forth."""
         if not self._turns:
             return ""
-        # A reversal belongs to the half-stroke that it begins.
+        # A reversal belongs to the half-stroke that follows it.
         rate = self._moving(self._time(index) + 1e-6 * self.case.beat)[sampling.PLUNGE_RATE]
         right, up = self.page.on_page(0.0, rate)
         if abs(up) > abs(right):
@@ -192,7 +192,7 @@ class Run:
         return "half-stroke to the right" if right > 0.0 else "half-stroke to the left"
 
     def when(self, index: int) -> str:
-        """The time of a frame in words."""
+        """The time of a frame as text."""
         if not self.case.periodic:
             return scene.when(self.case, self.turns(index))
         number, part = self.beat_of(index)
@@ -224,7 +224,7 @@ class Run:
     def series(self, name: str, first: int, last: int, most: int) -> tuple[Array, Array]:
         """Times (beats) and values, in SI units, of a series at `most` steps at most, evenly from `first` to `last`.
 
-        What a file does not hold, or not just now, is not a number.
+        Values that cannot be read are NaN.
         """
         stride = max(1, -(-(last - first) // (most - 1)))
         picked = np.array([*range(first, last, stride), last])
@@ -238,7 +238,7 @@ class Run:
         return picked / self.steps_per_beat, values
 
     def velocity(self, index: int) -> Velocity | None:
-        """The flow of a frame, as its fluid model has it; None of a model that knows none.
+        """The flow of a frame from its fluid model; None if the model has none.
 
         Raises:
             OSError: when a file that is being written cannot be read just now.
@@ -250,7 +250,7 @@ class Run:
                 raise OSError(f"frame {index} cannot be read: {error}") from None
 
     def curve(self, name: str, first: int, last: int, most: int) -> tuple[Array, Array]:
-        """As `series`, of `lift` and `thrust` too: the forces across and against the stream."""
+        """As `series`, including `lift` and `thrust`."""
         if name not in IN_STREAM:
             return self.series(name, first, last, most)
         (times, y), (_, z) = (self.series(part, first, last, most) for part in ("force_y", "force_z"))
@@ -258,7 +258,7 @@ class Run:
         return times, lift if name == "lift" else thrust
 
     def summary(self) -> Summary | None:
-        """Means, peaks and phases over the settled beats; None while there is no whole beat, or no reading it."""
+        """Means, peaks and phases over the settled beats; None without a whole beat or if it cannot be read."""
         with self._lock, contextlib.suppress(UserError, *UNREADABLE):
             if self.live or self._summary is None:
                 self._summary = summarise(self.result)

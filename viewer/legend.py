@@ -1,4 +1,4 @@
-"""What the colours and arrows mean: numbers, units and, where something is missing, why."""
+"""The legend: meaning of colours and arrows with numbers and units, and notes on missing parts."""
 
 from dataclasses import dataclass
 from html import escape
@@ -13,12 +13,12 @@ from .scene import common_ranges
 GRADIENT = "height:10px;border-radius:2px;border:1px solid rgba(128,128,128,.4);background:linear-gradient(90deg,{});"
 ROW = "display:flex;justify-content:space-between;font-size:11px;line-height:1.3;"
 HEAD = "font-size:12px;margin-top:7px;"
-TURN = "+ turns counter-clockwise"
+TURN = "positive: counter-clockwise"
 
 
 @dataclass(frozen=True)
 class Bar:
-    """A colour map with numbers: what it shows, its lowest and highest value and their unit, and a remark."""
+    """A colour bar: title, minimum and maximum with their unit, and a remark."""
 
     title: str
     colours: Map
@@ -42,7 +42,7 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
             edges = zip(SHEETS, ("trailing edge", "leading edge"), strict=True)
             parts.append("two sheets: " + " ".join(_swatch(colour) + edge for colour, edge in edges))
     elif not several:
-        parts.append(f"No wake: {runs[0].case.model} computes none.")
+        parts.append(f"{runs[0].case.model} has no wake.")
     if background:
         parts.append(bar_html(background))
     colours = (theme.force, theme.load, theme.velocity, theme.faint)
@@ -50,7 +50,7 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
     texts = (
         f"force: 1 chord = {factor * ranges.force:g} {unit}",
         f"local force: ½ chord = {ranges.pressure:g} Pa",
-        f"wing's velocity: ½ chord = {ranges.speed:g} m/s",
+        f"wing velocity: ½ chord = {ranges.speed:g} m/s",
         "thin line: undeformed" if several else f"undeformed{'; stroke plane' if runs[0].path is not None else ''}",
     )
     swatches = ["" if several else _swatch(css(colour)) for colour in colours]
@@ -75,7 +75,7 @@ def _swatch(colour: str) -> str:
 
 
 def bar_html(bar: Bar) -> str:
-    """A colour map with its numbers, as HTML."""
+    """A colour bar as HTML."""
     values = (bar.low, 0.5 * (bar.low + bar.high), bar.high)
     numbers = "".join(f"<span>{_signed(value, bar.low < 0.0)}</span>" for value in values)
     gradient = GRADIENT.format(",".join(css(colour) for colour in bar.colours.table[::16]))

@@ -1,7 +1,8 @@
-"""What a page may say. viser takes messages of any shape, and stumbles over those that its own page never sends.
+"""Validation of messages from a page. viser accepts messages of any form, and fails on those that its own page never
+sends.
 
-Messages that nobody waits for, or that are not in shape, are dropped; what a control is sent is brought between its
-bounds. So nothing that a stranger sends ends in a traceback, and none can ask viser for its tunnel to the outside.
+Unexpected and malformed messages are dropped, and values of controls are limited to their bounds. No message can
+therefore cause a traceback, or make viser open its public tunnel.
 """
 
 import dataclasses
@@ -19,18 +20,18 @@ KINDS = {
         _messages.CommandTriggerMessage, _messages.LocalStorageGetItemResponseMessage,
     )
 }  # fmt: skip
-"""What our pages send. Not among them: uploads, renders, and `ShareUrlRequest`."""
+"""Messages that our pages send; excludes uploads, renders and `ShareUrlRequest`."""
 FARTHEST = 1e20
-"""Numbers of a camera or a pointer go no farther."""
+"""Maximum magnitude of numbers of a camera or a pointer."""
 LONGEST = 2**14
-"""Characters of a text, and elements of a list."""
+"""Maximum length of a text and of a list."""
 
 
 class Connection(ServerConnection):
-    """A websocket that hears only what a page of ours would say."""
+    """A websocket that passes on only valid messages."""
 
     async def recv(self, decode: bool | None = None) -> Any:
-        """The next message that is in shape."""
+        """The next valid message."""
         while True:
             raw = await super().recv(decode)
             if is_in_shape(raw):
@@ -38,7 +39,7 @@ class Connection(ServerConnection):
 
 
 def is_in_shape(raw: str | bytes) -> bool:
-    """Whether a message is of a kind that pages send, with the fields and numbers that it should have."""
+    """Whether a message is of an allowed kind, with valid fields and numbers."""
     if not isinstance(raw, bytes):
         return False
     try:
@@ -65,7 +66,7 @@ def _is_plausible(kind: type, said: dict[str, Any]) -> bool:
 
 
 def _is_modest(value: Any) -> bool:
-    """Whether no number in it is infinite or out of all proportion, and no text endless."""
+    """Whether all its numbers and text lengths are within bounds."""
     if isinstance(value, int | float):
         return abs(value) <= FARTHEST
     if isinstance(value, str):
@@ -75,9 +76,9 @@ def _is_modest(value: Any) -> bool:
 
 
 def guard(gui: Any) -> None:
-    """Have the controls of a page take no value but those that they offer.
+    """Limit the values of a page's controls to those offered.
 
-    Private to viser: how it hears of its controls. A version that does so in another way fails here.
+    This uses a private part of viser; a version without it fails here.
     """
     inner, sockets = gui._handle_gui_updates, gui._websock_interface
 
@@ -93,11 +94,11 @@ def guard(gui: Any) -> None:
 
 
 def fitted(props: Any, now: Any, value: Any) -> Any:
-    """What a control takes for a value that a page has sent: the nearest that it offers; None for nonsense.
+    """The allowed value of a control nearest to the one sent by a page; None for an invalid value.
 
     Args:
-        props: the control's own: `options`, or `min` and `max`, where it has any.
-        now: its present value, which tells the kind.
+        props: the control's `options`, or `min` and `max`, if any.
+        now: its current value, which defines the type.
     """
     options = getattr(props, "options", None)
     if options is not None:

@@ -1,4 +1,4 @@
-"""Colours of a page's scene as the theme has them: viser draws labels in black on white, and shifts those of lines."""
+"""Theme colours in a page's scene: viser draws labels in black on white, and changes colours of lines."""
 
 from string import Template
 from typing import Any
@@ -6,8 +6,8 @@ from typing import Any
 from . import wire
 from .colours import Rgb, Theme
 
-# The two shaders of viser's labels hold their colours as numbers; lines go through a film's response to light. Both
-# come and go: look again now and then.
+# The colours of viser's labels are constants in two shaders, and lines are tone-mapped. Both are created dynamically,
+# so that the script runs repeatedly.
 PAINT = Template(r"""
 const paint = () => {
   const scene = window.__viserMutable && window.__viserMutable.scene;
@@ -37,7 +37,8 @@ paint();
 
 
 def paint(client: Any, theme: Theme) -> None:
-    """Give a page's labels and lines the colours of a theme; a viser that has changed shows colours near them."""
+    """Give a page's labels and lines the colours of a theme; with another version of viser the colours differ "
+    "slightly."""
     wire.run(client, PAINT.substitute(ink=_glsl(theme.ink), ground=_glsl(theme.background)))
 
 

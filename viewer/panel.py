@@ -1,4 +1,4 @@
-"""One browser's buttons and sliders. They only call the session, and show what it tells them."""
+"""The controls of one browser. They only call the session and show its state."""
 
 from collections.abc import Callable
 from typing import Any
@@ -21,8 +21,8 @@ class Panel:
     Args:
         client: the browser.
         run: the result that is shown.
-        playback: what the controls show at first.
-        act: called with the name of what was touched and its new value.
+        playback: initial state of the controls.
+        act: callback of the name of a control and its new value.
     """
 
     def __init__(self, client: Any, run: Run, playback: Playback, act: Callable[[str, Any], None]) -> None:
@@ -34,7 +34,7 @@ class Panel:
         gui.add_html(camera.narrow())
         self.head = gui.add_html("")
         self.follow = gui.add_checkbox(
-            "Follow the computation", playback.follow, visible=run.live, hint="show the newest frame as it comes"
+            "Follow the computation", playback.follow, visible=run.live, hint="always show the newest frame"
         )
         self._listen(self.follow, "follow")
         with gui.add_folder("Scene"):
@@ -43,7 +43,7 @@ class Panel:
             self.background = gui.add_dropdown("Background", BACKGROUNDS, initial_value=playback.background)
             if not run.draws_flow:
                 self.background.disabled = True
-                self.background.hint = f"{run.case.model} knows no flow around the wing"
+                self.background.hint = f"{run.case.model} does not provide the flow around the wing"
             self._listen(self.background, "background")
             self.layers = {}
             for name, (title, hint) in LAYERS.items():
@@ -73,12 +73,12 @@ class Panel:
     def _listen(self, handle: Any, name: str) -> None:
         @handle.on_update
         def _(event: Any) -> None:
-            # What the server sets comes back without a client.
+            # Values set by the server return without a client.
             if event.client is not None:
                 self._act(name, event.target.value)
 
     def take(self, playback: Playback) -> None:
-        """Show what somebody chose before the connection dropped."""
+        """Restore the controls after a reconnection."""
         choices: list[tuple[Any, Any]] = [
             (self.background, playback.background), (self.window, playback.window), (self.dark, playback.dark),
             *((self.layers[name], shown) for name, shown in playback.layers.items()),

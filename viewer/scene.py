@@ -1,4 +1,4 @@
-"""One browser's scene: the wing, its wake and what acts on it, drawn flat.
+"""The scene of one browser: the wing, its wake and the forces, drawn in a plane.
 
 The scene's x is to the right and its z upwards, in chords; its y only orders the layers.
 """
@@ -22,27 +22,27 @@ from .survey import Ranges
 FIELD, ARROWS, PLANE, WAKE, GHOST, LOAD, WING, FORCE = 0.05, 0.045, 0.04, 0.03, -0.01, -0.02, -0.03, -0.04
 """Depth of each layer, chords away from the viewer."""
 WAKE_DEPTH = 0.02
-"""Strong vortices lie so far above weak ones."""
+"""Depth between strong and weak vortices."""
 
 STATIONS = 13
-"""Points along the chord at which velocity and load are drawn."""
+"""Number of points along the chord at which velocity and load are drawn."""
 FORCE_CHORDS, VELOCITY_CHORDS, LOAD_CHORDS = 1.0, 0.5, 0.5
 """Length of an arrow of full range."""
 
 LAYERS = {
-    "wake": ("Wake", "the vortices that the wing has shed"),
-    "sheets": ("Two sheets", "colour the wake by the edge that shed it, not by its circulation"),
-    "ghost": ("Undeformed", "where the chord would be, were the wing rigid"),
+    "wake": ("Wake", "vortices shed by the wing"),
+    "sheets": ("Two sheets", "colour the wake by the edge that shed it instead of by circulation"),
+    "ghost": ("Undeformed", "chord of the undeformed wing"),
     "stroke": ("Stroke plane", "and the path of the pivot in it"),
     "force": ("Force", "the fluid's force on the whole wing"),
-    "velocity": ("Velocity", "of points of the wing, through the fluid"),
+    "velocity": ("Velocity", "velocity of points of the wing relative to the fluid"),
     "load": ("Local force", "the fluid's force along the chord"),
 }
-"""Title of each layer, and what it is."""
+"""Title and description of each layer."""
 
 
 def default_layers(run: Run) -> dict[str, bool]:
-    """Which layers are shown at first: the details of a blade element are all that it has."""
+    """Initially visible layers; a model without a wake shows its local forces."""
     wake = run.has_wake
     shown = {"wake": wake, "sheets": False, "ghost": True, "stroke": True, "force": True}
     return shown | {"velocity": not wake, "load": not wake}
@@ -71,27 +71,27 @@ def arrows(tails: Array, vectors: Array, depth: float, head: float) -> NDArray[n
 
 
 def wing_colours(frame: Frame, theme: Theme, limit: float) -> NDArray[np.uint8]:
-    """Colours (n, 2, 3) of the wing's segments, by pressure jump."""
+    """Colours (n, 2, 3) of the wing's segments by pressure jump."""
     colours = theme.pressure.symmetric(frame.pressure, limit)
     return np.repeat(linear(colours)[:, None], 2, axis=1)
 
 
 def wake_points(frame: Frame, limit: float) -> NDArray[np.float32]:
-    """Points (n, 3) of the wake's vortices, the strong above the weak."""
+    """Points (n, 3) of the wake vortices, strong ones above weak ones."""
     strength = np.minimum(np.abs(frame.circulation) / limit, 1.0)
     return place(frame.wake, WAKE - WAKE_DEPTH * strength)
 
 
 @dataclass(frozen=True)
 class Look:
-    """How one of the results in a scene is told from the other.
+    """Style that distinguishes the results in a scene.
 
     Attributes:
-        prefix: in front of the names of its layers.
-        colour: of its wing; None to show the pressure instead.
-        shape: of its vortices.
-        width: of its wing, pixels.
-        lift: how far its wing lies above the other's, chords.
+        prefix: prefix of the names of its layers.
+        colour: colour of its wing; None shows the pressure instead.
+        shape: shape of its vortices.
+        width: line width of its wing, pixels.
+        lift: depth of its wing above the other's, chords.
     """
 
     prefix: str
@@ -102,16 +102,16 @@ class Look:
 
 
 def looks(count: int) -> list[Look]:
-    """The looks of one result or of two."""
+    """Styles of one result or of two."""
     if count == 1:
         return [Look("", None, "circle")]
     first, second = (rgb(colour) for colour in RUNS)
-    # A thin line over a thick one: both can be seen where they agree.
+    # A thin line over a thick one, so that both are visible where they agree.
     return [Look("", first, "circle", 10.0), Look("/second", second, "diamond", 4.0, 0.005)]
 
 
 class Actor:
-    """The layers of one result in one browser: built once, moved from frame to frame."""
+    """The layers of one result in one browser: built once, updated for every frame."""
 
     def __init__(self, scene: Any, run: Run, look: Look, theme: Theme, ranges: Ranges) -> None:
         self.run, self.look, self.theme, self.ranges = run, look, theme, ranges
@@ -142,7 +142,7 @@ class Actor:
             )
 
     def show(self, index: int, shown: dict[str, bool]) -> None:
-        """Move to a frame; layers that are not shown are not sent."""
+        """Show a frame; hidden layers are not sent."""
         frame = self.run.frame(index)
         drawn = frame.drawn.setdefault(self._style, {})
         handles = {"wing": self.wing}
@@ -202,7 +202,7 @@ class Actor:
 
 
 def common_ranges(runs: list[Run]) -> Ranges:
-    """The ranges that hold for all results of a scene."""
+    """Common ranges of all results of a scene."""
     return Ranges(
         circulation=max((run.ranges.circulation for run in runs if run.has_wake), default=1.0),
         pressure=max(run.ranges.pressure for run in runs),
@@ -212,7 +212,7 @@ def common_ranges(runs: list[Run]) -> Ranges:
 
 
 def set_up(scene: Any, runs: list[Run], theme: Theme) -> tuple["Stage", list[Actor]]:
-    """Build the scene of one result, or of two over each other."""
+    """Build the scene of one result, or of two superimposed."""
     ranges = common_ranges(runs)
     shown = zip(runs, looks(len(runs)), strict=True)
     return Stage(scene, runs[0], theme), [Actor(scene, run, look, theme, ranges) for run, look in shown]
@@ -223,7 +223,7 @@ def _stations(count: int) -> NDArray[np.intp]:
 
 
 class Stage:
-    """What does not move: the stroke plane, the pivot's path, the scale bar; and the line that tells the time."""
+    """Static parts: stroke plane, path of the pivot and scale bar; and the time label."""
 
     def __init__(self, scene: Any, run: Run, theme: Theme) -> None:
         screen = {"thickness_units": "screen"}
@@ -271,7 +271,7 @@ class Stage:
 
     @staticmethod
     def _draw_stream(scene: Any, run: Run, theme: Theme) -> None:
-        """An arrow along the free stream, if there is one."""
+        """An arrow along the free stream, if any."""
         left, top = float(run.box[0]), float(run.box[3])
         if text := stream(run.case):
             tail, way = np.array([[left + 0.1, top - 0.35]]), np.array([[0.8, 0.0]])
@@ -284,7 +284,7 @@ class Stage:
             )  # fmt: skip
 
     def show(self, text: str, stroke: bool) -> None:
-        """Tell the time; show or hide the stroke plane."""
+        """Update the time label; show or hide the stroke plane."""
         wire.send(self.time, text=text)
         for handle in self.stroke:
             if handle.visible != stroke:

@@ -1,4 +1,4 @@
-"""What every viewer's server does: listens at a free port, keeps time for its browsers, and forgives one that left."""
+"""Common part of all viewer servers: finds a free port, runs the playback of browsers, and handles disconnections."""
 
 import contextlib
 import io
@@ -22,12 +22,12 @@ from .bar import HEAD
 from .door import EVERYWHERE, LOCAL, Door
 
 UPDATES = 30
-"""Frames a second that a playing browser gets at most."""
+"""Maximum frames per second during playback."""
 PORTS = 100
 
 
 class ViewError(UserError):
-    """The viewer cannot start: one sentence."""
+    """Raised if the viewer cannot start; one sentence."""
 
 
 class Server:
@@ -36,10 +36,10 @@ class Server:
     Args:
         host: the address to listen at.
         port: the port to listen at, or the first free one above it.
-        token: whether the address holds a token, without which nobody comes in.
+        token: whether the address contains a token that is required for access.
 
     Raises:
-        ViewError: when there is no such port or address.
+        ViewError: if the port or address is not available.
     """
 
     def __init__(self, host: str, port: int, token: bool = True) -> None:
@@ -50,12 +50,12 @@ class Server:
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
-        # A browser may leave while its next frame is being drawn.
+        # A browser may disconnect while its next frame is drawn.
         warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
         free = free_port(host, port)
         with self.door.kept(), contextlib.redirect_stdout(io.StringIO()):
             self.server = viser.ViserServer(host=host, port=free, label="taichiflap", verbose=False)
-        # The door lets none of these in; nobody would hear them either.
+        # These messages are refused by the door and have no handler.
         for kind in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
             self.server._websock_server.unregister_handler(kind)
         self.port = self.server.get_port()
@@ -64,14 +64,14 @@ class Server:
     def serve(
         self, connect: Callable[[Any], None], disconnect: Callable[[Any], None], *works: Callable[[], None]
     ) -> None:
-        """Let browsers in, keep time for them, and do this besides, until stopped."""
+        """Serve browsers and run their playback, with other work in between, until stopped."""
 
         def enter(client: Any) -> None:
             messages.guard(client.gui)
             try:
                 connect(client)
             except (UserError, OSError) as error:
-                # The file has gone since.
+                # The file has been deleted.
                 with contextlib.suppress(RuntimeError):
                     client.gui.add_html(notice(str(error)))
 
@@ -83,17 +83,17 @@ class Server:
 
     @property
     def address(self) -> str:
-        """Where to point a browser of this machine."""
+        """Address for a browser on this machine."""
         return f"{self._root('127.0.0.1' if self.host in EVERYWHERE else self.host)}{self.door.path}"
 
     @property
     def invitation(self) -> str:
-        """An address that leads there once, soon: others may read what a browser is started with."""
+        """A short-lived address that works only once, since other users can read the command line of a browser."""
         return self.address.removesuffix(self.door.path) + self.door.invite()
 
     @property
     def far_addresses(self) -> list[str]:
-        """Where to point a browser of another machine; none if only this one can be reached."""
+        """Addresses for browsers on other machines; empty if only this machine has access."""
         if self.host in LOCAL:
             return []
         hosts = own_addresses() if self.host in EVERYWHERE else [self.host]
@@ -104,12 +104,12 @@ class Server:
 
     @property
     def sessions(self) -> list[Any]:
-        """Those of the browsers that are connected."""
+        """Sessions of connected browsers."""
         with self._lock:
             return list(self._sessions.values())
 
     def _welcome(self, client: Any, session: Any) -> bool:
-        """Count a browser in; not one that left while its session was made."""
+        """Add a browser, unless it disconnected while its session was created."""
         with self._lock:
             if client.client_id in self._gone:
                 self._gone.remove(client.client_id)
@@ -118,7 +118,7 @@ class Server:
             return True
 
     def _take_leave(self, client: Any) -> Any:
-        """Count a browser out; its session, if it had one already."""
+        """Remove a browser; returns its session, if any."""
         with self._lock:
             session = self._sessions.pop(client.client_id, None)
             if session is None:
@@ -143,7 +143,7 @@ class Server:
 
     @staticmethod
     def _guard(call: Any, *arguments: Any) -> None:
-        """A browser may leave, and a file may be in the middle of a write: the next tick will do."""
+        """Ignore errors of a disconnected browser or of a file in the middle of a write until the next tick."""
         try:
             call(*arguments)
         except (RuntimeError, OSError):
@@ -151,29 +151,29 @@ class Server:
 
 
 def announce(server: Server, port: int) -> None:
-    """Print where a server is to be found, and warn if others find it too.
+    """Print the address of a server, and warn if other machines can reach it.
 
     Args:
-        port: the one that was asked for.
+        port: requested port.
     """
     if server.port != port:
         print(f"port {port} is taken")
     for address in server.far_addresses:
         print(address)
     if server.far_addresses:
-        whoever = "whoever has its address" if server.door.token else "anybody"
-        print(f"warning: other machines reach this viewer: {whoever} sees what it shows", file=sys.stderr)
+        whoever = "everyone with its address" if server.door.token else "anybody"
+        print(f"warning: other machines can reach this viewer; {whoever} can see its content", file=sys.stderr)
     print(f"{server.address}  (Ctrl-C stops)", flush=True)
 
 
 def notice(text: str) -> str:
-    """A sentence that a page should not overlook, as HTML."""
+    """A highlighted sentence, as HTML."""
     style = "margin:4px;padding:6px;border:1px solid #c81e2d;border-radius:4px;font-size:13px;overflow-wrap:anywhere"
     return f'<div data-notice role="alert" style="{style}">{escape(text)}</div>' if text else ""
 
 
 def own_addresses() -> list[str]:
-    """What other machines may call this one: the addresses of its networks, or else its name."""
+    """Addresses of this machine's networks, or else its name."""
     found = []
     if sys.platform == "linux":
         import fcntl  # noqa: PLC0415 - not everywhere
@@ -188,7 +188,7 @@ def own_addresses() -> list[str]:
 
 
 def free_port(host: str, port: int) -> int:
-    """The first port from `port` on that nobody listens at."""
+    """The first free port, starting at `port`."""
     if not 1 <= port <= 65535:
         raise ViewError(f"no such port: {port}")
     problem = ""

@@ -1,4 +1,4 @@
-"""One browser: its place in the run, its scene, its controls and its charts."""
+"""The session of one browser: playback, scene, controls and charts."""
 
 import contextlib
 import threading
@@ -25,13 +25,13 @@ from .server import notice
 from .timeline import Playback
 
 BESIDE_SECONDS = 0.12
-"""What stands beside the scene, the charts' dots, moves no more often than this while playing."""
+"""Minimum interval between updates of the charts' dots during playback, s."""
 
-NOT_LOCKED = "This version of viser lets the view turn; “Reset view” turns it back."
+NOT_LOCKED = "This version of viser allows rotation of the view; “Reset view” undoes it."
 
 
 def opening(runs: Sequence[Run]) -> Playback:
-    """Where a browser starts: at the newest frame of a run in progress, or playing the last beat of a complete one."""
+    """Initial playback: at the newest frame of a run in progress, or playing the last beat of a complete one."""
     run = runs[0]
     playback = Playback(position=float(max(run.frames - 1, 0)), playing=not run.live, follow=run.live)
     shown = [default_layers(one) for one in runs]
@@ -42,12 +42,12 @@ def opening(runs: Sequence[Run]) -> Playback:
 
 
 class Session:
-    """Everything that one browser sees, until its connection drops.
+    """Everything that one browser shows, until it disconnects.
 
     Args:
         client: viser's handle of the browser.
-        runs: one result, or two to compare; playback goes by the first.
-        playback: what to show until the start.
+        runs: one result, or two to compare; playback follows the first.
+        playback: initial state of playback.
         fields: the flow around the first result.
     """
 
@@ -70,10 +70,10 @@ class Session:
             self.view = camera.View(client, self.run.box)
         if not camera.lock_rotation(client):
             with contextlib.suppress(Exception):
-                client.add_notification("The view can turn", NOT_LOCKED)
+                client.add_notification("The view can rotate", NOT_LOCKED)
 
     def start(self, playback: Playback) -> None:
-        """Let the page go on from here, once it is there: what comes sooner only holds it up."""
+        """Start updates of the page when it is ready; earlier updates would only delay it."""
         with self._lock, self.client.atomic():
             dark = self.playback.dark
             self.playback = playback
@@ -86,14 +86,14 @@ class Session:
             self._tell_address()
 
     def tick(self, seconds: float) -> None:
-        """Play on, if playing."""
+        """Advance playback, if playing."""
         with self._lock:
             if self._started and self.playback.playing:
                 timeline.advance(self.run, self.playback, seconds)
                 self.show()
 
     def grow(self) -> None:
-        """Take notice of new frames, or of a file that is gone."""
+        """React to new frames, or to a deleted file."""
         with self._lock, self.client.atomic():
             self._beside = 0.0
             self.bar.tell(self.run)
@@ -107,7 +107,7 @@ class Session:
             self.show()
 
     def show(self) -> None:
-        """Show the frame where playback is; one that is being written just now is left for later."""
+        """Show the current frame; a frame that is being written is shown later."""
         with self._lock, self.client.atomic():
             try:
                 self._show(self.playback.frame)
@@ -135,7 +135,7 @@ class Session:
             self.panel.show(self.playback, self._headline())
 
     def act(self, name: str, value: Any) -> None:
-        """Do what a control asks for."""
+        """Handle a control."""
         with self._lock:
             playback = self.playback
             if name in playback.layers:
@@ -262,7 +262,7 @@ class Session:
         paint(self.client, self.theme)
 
     def _build(self) -> None:
-        """Build the scene anew: for another theme, or for ranges that a growing run has changed."""
+        """Rebuild the scene, for another theme or for new ranges of a growing run."""
         scene = self.client.scene
         scene.reset()
         self._surveys = [run.surveys for run in self.runs]
@@ -296,7 +296,7 @@ class Session:
 
     def _headline(self) -> str:
         failed = f"failed: {escape(self.run.reason)}"
-        state = {"running": f"being computed, {self.run.progress}", "failed": failed}.get(self.run.status, "")
+        state = {"running": f"running, {self.run.progress}", "failed": failed}.get(self.run.status, "")
         trouble = "".join(notice(run.trouble) for run in self.runs)
         several = len(self.runs) > 1
         title = " against ".join(escape(run.label if several else run.title) for run in self.runs)

@@ -1,4 +1,4 @@
-"""What a few frames tell about all: the ranges of colours and arrows, and the first view."""
+"""Ranges of colours and arrows, and the initial view, from a few frames."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,16 +8,16 @@ import numpy as np
 from .frame import Array, Frame
 
 ARROW_ROOM = 0.9
-"""Free beside and below a wing without a wake, chords: its arrows are what there is to see."""
+"""Margin beside and below a wing without a wake, chords, for its arrows."""
 HEADROOM = 0.55
-"""Free above the wing in the first view, chords: room for the line that tells the time."""
+"""Margin above the wing in the initial view, chords, for the time label."""
 VIEW_CHORDS = 4.0
-"""The first view reaches at most so far from where the wing flies."""
+"""Maximum distance of the initial view from the wing's path, chords."""
 
 
 @dataclass(frozen=True)
 class Ranges:
-    """What colours and arrows are scaled by: a circulation (m2/s), a pressure (Pa), a force (N), a speed (m/s)."""
+    """Scales of colours and arrows: circulation (m2/s), pressure (Pa), force (N) and speed (m/s)."""
 
     circulation: float
     pressure: float
@@ -26,9 +26,10 @@ class Ranges:
 
 
 def survey(frames: Sequence[Frame]) -> tuple[Ranges, Array]:
-    """Ranges, and the box (left, bottom, right, top; chords) of the first view.
+    """Ranges, and the box (left, bottom, right, top; chords) of the initial view.
 
-    The colours of the wake go by the vortices of the last beat: what a full wake has absorbed is many times as strong.
+    Colours of the wake are scaled by the vortices of the last beat, since vortices that have absorbed others are many
+    times as strong.
     """
     ranges = Ranges(
         circulation=_nice(_percentile([frame.circulation[frame.age < 1.0] for frame in frames], 97)),
@@ -53,7 +54,7 @@ def _percentile(arrays: list[Array], share: float) -> float:
 
 
 def _nice(value: float) -> float:
-    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten; 1 for nothing at all."""
+    """The next of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten; 1 for zero."""
     if not value > 0.0:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))

@@ -1,4 +1,4 @@
-"""Playback: where a browser is in a run, and where it goes next. No browser in here, only arithmetic."""
+"""Playback: the current and the next frame of a browser. Independent of the browser itself."""
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field
@@ -12,14 +12,14 @@ SPEEDS = {"1/16 beat a second": 0.0625, "1/8 beat a second": 0.125, "1/4 beat a 
 
 @dataclass
 class Playback:
-    """What a browser keeps when its connection drops.
+    """State of playback that survives a reconnection.
 
     Attributes:
-        position: in frames, with the fraction that has passed of the next.
-        speed: beats a second.
-        range: first and last frame of the loop named so.
+        position: position in frames, including the fraction to the next frame.
+        speed: beats per second.
+        range: first and last frame of the user-defined loop.
         follow: stay at the newest frame of a run that is still being computed.
-        layers: names of the layers that are hidden or shown against their default.
+        layers: names of the layers that differ from their default visibility.
     """
 
     position: float = 0.0
@@ -35,7 +35,7 @@ class Playback:
 
     @property
     def frame(self) -> int:
-        """The frame to show."""
+        """Current frame."""
         return int(self.position)
 
 
@@ -45,7 +45,7 @@ def beat_span(run: Run, number: int) -> tuple[int, int]:
 
 
 def span(run: Run, playback: Playback) -> tuple[int, int]:
-    """First and last frame of what the loop goes round."""
+    """First and last frame of the loop."""
     if playback.loop == ALL:
         return 0, run.frames - 1
     if playback.loop == RANGE and playback.range[0] < playback.range[1] < run.frames:
@@ -55,39 +55,39 @@ def span(run: Run, playback: Playback) -> tuple[int, int]:
 
 
 def advance(run: Run, playback: Playback, seconds: float) -> None:
-    """Play on for some seconds of the clock on the wall, round and round."""
+    """Advance playback by some seconds of real time, in a loop."""
     first, last = span(run, playback)
     length = max(1, last - first)
     position = playback.position + seconds * playback.speed * run.frames_per_beat
-    # Both ends of a beat look alike: the loop shows its first frame, not its last.
+    # Both ends of a beat are equal, so that the loop omits its last frame.
     playback.position = first + (position - first) % length
 
 
 def coming(run: Run, playback: Playback, stride: int, count: int) -> list[int]:
-    """The next frames, so far apart, that playing comes to, round the loop."""
+    """The next frames of playback at a given spacing, around the loop."""
     first, last = span(run, playback)
     length = max(1, last - first)
     return [first + (playback.frame - first + stride * number) % length for number in range(1, count + 1)]
 
 
 def step(run: Run, playback: Playback, frames: int) -> None:
-    """Stop, some frames on or back."""
+    """Stop, and move by some frames."""
     seek(run, playback, playback.frame + frames)
 
 
 def seek(run: Run, playback: Playback, frame: int) -> None:
-    """Stop at a frame, or at the nearest that there is."""
+    """Stop at a frame, or at the nearest existing one."""
     playback.playing = playback.follow = False
     playback.position = float(min(max(frame, 0), run.frames - 1))
 
 
 def speed_name(playback: Playback) -> str:
-    """What the menu calls the speed."""
+    """Name of the speed in the menu."""
     return next(name for name, value in SPEEDS.items() if value == playback.speed)
 
 
 def next_reversal(run: Run, playback: Playback, forward: bool) -> int | None:
-    """The frame of the next or last stroke reversal, if there is one."""
+    """Frame of the next or last stroke reversal, if any."""
     reversals = run.reversals()
     place = bisect_right(reversals, playback.frame) if forward else bisect_left(reversals, playback.frame) - 1
     return reversals[place] if 0 <= place < len(reversals) else None

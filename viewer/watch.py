@@ -1,4 +1,4 @@
-"""Whether a file that a page shows is still the one that was opened."""
+"""Detection of files that have been changed or deleted while they are shown."""
 
 import contextlib
 import time
@@ -7,15 +7,15 @@ from pathlib import Path
 from taichiflap.results.reader import PART
 
 GRACE_SECONDS = 2.0
-"""A run that is done closes and renames its file in this time."""
+"""Time within which a completed run closes and renames its file, s."""
 
 
 class Watch:
-    """Looks at a file now and then.
+    """Checks a file from time to time.
 
     Args:
-        path: the file; None for one in memory, which stays.
-        fixed: whether nobody should write to it any more.
+        path: the file; None in memory.
+        fixed: whether the file should not change any more.
     """
 
     def __init__(self, path: Path | None, fixed: bool) -> None:
@@ -24,24 +24,24 @@ class Watch:
         self._begun = self._seen = time.monotonic()
 
     def look(self) -> str:
-        """What has become of the file since, in a sentence; nothing if it is the one that was opened."""
+        """Sentence about a changed or deleted file; empty if it is unchanged."""
         if self._path is None:
             return ""
         name, sign = self._path.name.removesuffix(PART), self._sign()
         if not sign:
             gone = time.monotonic() - self._seen > GRACE_SECONDS
-            return f"{name} is no longer there: this page shows what was read before." if gone else ""
+            return f"{name} has been deleted; this page shows the data read before." if gone else ""
         self._seen = time.monotonic()
         if sign[:2] != self._first[:2]:
-            return f"{name} has been replaced by another file: start the viewer again to see that one."
+            return f"{name} has been replaced by another file; restart the viewer to see it."
         if self._seen - self._begun < GRACE_SECONDS:
             self._first = sign
         if self._fixed and sign != self._first:
-            return f"{name} has been changed since it was opened: start the viewer again to see it."
+            return f"{name} has been changed since it was opened; restart the viewer to see it."
         return ""
 
     def _sign(self) -> tuple[int, ...]:
-        """Device, number, size and time of the file, under its final name as well; nothing if it is not there."""
+        """Device, inode, size and time of the file, also under its final name; empty if it does not exist."""
         assert self._path is not None
         for path in (self._path, self._path.with_name(self._path.name.removesuffix(PART))):
             with contextlib.suppress(OSError):

@@ -1,8 +1,7 @@
-"""What goes to a browser past viser's own handles: new values as they are, and scripts.
+"""Direct messages to a browser that bypass viser's handles: new values, and scripts.
 
-viser casts, compares, copies, looks up the type of and sends a value at a time, for each browser anew: more work than
-everything else that a frame asks for. What is drawn once for all browsers needs none of it, and goes out as one
-message a node, chart or control.
+viser casts, compares, copies and sends every value separately for each browser, which takes more time than the rest of
+a frame. Data drawn once for all browsers need none of this, and are sent as one message per node, chart or control.
 """
 
 import dataclasses
@@ -14,10 +13,10 @@ import viser
 
 
 def send(handle: Any, **values: Any) -> None:
-    """Give a node of the scene, or a control or chart, new values in one message.
+    """Set several values of a scene node, control or chart in one message.
 
-    Arrays have the type that viser keeps, and never change afterwards. The way in is private to viser: a version
-    without it gets the values one by one, at a higher cost.
+    Arrays must have viser's type and may not change afterwards. This uses a private part of viser; a version without it
+    gets the values one by one, at a higher cost.
     """
     try:
         inside, kinds = handle._impl, viser._messages
@@ -36,7 +35,7 @@ def send(handle: Any, **values: Any) -> None:
 
 @functools.cache
 def _plain(kind: type) -> Any:
-    """A kind of viser's messages that is packed as it is. viser overlooks kinds whose name begins so."""
+    """A viser message that is sent unchanged; viser ignores kinds with this prefix."""
 
     names = [one.name for one in dataclasses.fields(kind)]
 
@@ -50,7 +49,7 @@ def _plain(kind: type) -> Any:
 
 
 def _pack(value: Any, buffers: list[memoryview]) -> Any:
-    """A value with its arrays put among the buffers, and their place there instead."""
+    """A value with its arrays moved to the buffers and replaced by their indices."""
     if isinstance(value, np.ndarray):
         buffers.append(value.data)
         return {"__binary_index": len(buffers) - 1, "dtype": value.dtype.str}
@@ -60,7 +59,7 @@ def _pack(value: Any, buffers: list[memoryview]) -> Any:
 
 
 def run(client: Any, script: str) -> bool:
-    """Run a script in a page; False if this viser has no way to."""
+    """Run a script in a page; False if this version of viser does not allow it."""
     try:
         message = viser._messages.RunJavascriptMessage(source=script)
         client._websock_connection.queue_message(message)

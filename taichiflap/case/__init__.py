@@ -1,4 +1,4 @@
-"""Case files: what each table may say, how a file is read, and what its errors say."""
+"""Case files: the keys of each table, reading and checking a file, and the error messages."""
 
 from ..doors import lazy
 

@@ -1,4 +1,4 @@
-"""A case file: its sections together, reading and changing it, and the messages when it does not fit."""
+"""A whole case: its tables, reading, changing and checking it."""
 
 import difflib
 import math
@@ -32,22 +32,22 @@ from .wing import Wing
 
 MAX_STEPS = 5_000_000
 LEAST_STEPS = 4
-"""Steps a period, or a run, that an automatic step is never longer than."""
+"""Minimum number of steps per period, or per run, with an automatic step."""
 WITHIN_WORDS = str.maketrans("-.:", "___")
-"""What a bare word of a setting may hold."""
+"""Characters allowed in a setting's value without quotes."""
 LONGEST_SHOWN = 60
-"""Characters of a wrong value that a message shows."""
+"""Maximum length of a rejected value in a message."""
 OWN_STEPS = ("navier_stokes",)
-"""Models whose step follows from the flow where the case does not say."""
+"""Models with an automatic time step by default."""
 MOMENTS = 1024
-"""Times at which the speed is looked at for it."""
+"""Number of times at which the speed is sampled for the automatic step."""
 
 
 class CaseError(UserError):
-    """A case that cannot be run: every problem found, one line each."""
+    """Raised for an invalid case; lists every problem, one per line."""
 
     def __init__(self, source: str, problems: list[str]) -> None:
-        # One line each, whatever stands in the file.
+        # Keep each problem on one line, even if the file's text has line breaks.
         self.source, self.problems = source, [printable(one) for one in problems]
         problems = self.problems
         super().__init__("\n".join(f"{source}: {problem}" for problem in problems))
@@ -56,14 +56,14 @@ class CaseError(UserError):
 class Case(Section):
     """One case: an elastic wing section, its motion, the fluid and the model that computes it.
 
-    Attributes follow the case file: `case.wing.chord` is the file's `chord` in `[wing]`. SI units; angles in
-    degrees where the key ends in `_deg`. Cases are immutable; `override` gives a changed copy.
+    Attributes follow the case file: `case.wing.chord` is the file's `chord` in `[wing]`. SI units; angles in degrees
+    where the key ends in `_deg`. Cases are immutable; `override` returns a changed copy.
     """
 
-    title: str = Field("", description="a line that says what this is")
-    solver: Solver = key("uvlm", text="fluid model; module:NAME is one of your own, a Python module")
+    title: str = Field("", description="one-line description of the case")
+    solver: Solver = key("uvlm", text="fluid model; module:NAME loads your own model from a Python module")
     numbers: dict[str, bool | float | str] | None = key(
-        None, text="what a fluid model of your own asks for, by its names", example={"lift_slope": 6.0}
+        None, text="parameters of your own fluid model", example={"lift_slope": 6.0}
     )
     wing: Wing
     motion: Motion
@@ -78,7 +78,7 @@ class Case(Section):
     @model_validator(mode="before")
     @classmethod
     def _steps_of_its_own(cls, given: Any) -> Any:
-        """A model whose step follows from the flow finds it where the case does not say."""
+        """Use the automatic time step where it is the model's default."""
         if not isinstance(given, Mapping) or given.get("solver") not in OWN_STEPS:
             return given
         time = given.get("time", {})
@@ -93,19 +93,19 @@ class Case(Section):
         if self.solver != "navier_stokes":
             return self
         if self.fluid.viscosity is None:
-            raise needed("fluid.viscosity", "the Navier-Stokes equations need it; air has 1.5e-5 m2/s, water 1e-6 m2/s")
+            raise needed("fluid.viscosity", "required by the Navier-Stokes model; air has 1.5e-5 m2/s, water 1e-6 m2/s")
         if isinstance(self.wing.span, tuple):
-            raise ValueError("wing.span is a table: the Navier-Stokes model is of one section; give a number")
+            raise ValueError("wing.span is a table: the Navier-Stokes model is two-dimensional; give a number")
         if self.wing.modes and self.navier_stokes.thickness and self.navier_stokes.thickness < THINNEST:
             raise ValueError(
-                f"navier_stokes.thickness = {self.navier_stokes.thickness:g}: the map of a bending section needs at "
+                f"navier_stokes.thickness = {self.navier_stokes.thickness:g}: the grid of a flexible wing needs at "
                 f"least {THINNEST:g} chords; give {THINNEST:g} or leave it out"
             )
         return self
 
     @model_validator(mode="after")
     def _moved(self) -> "Case":
-        """Plunge, pitch and surge of measured angles."""
+        """Derive plunge, pitch and surge from measured angles."""
         measured, frequency = self.motion.measured, self.motion.frequency
         if measured and frequency:
             from ..motion import measured as angles  # noqa: PLC0415 - only measured angles need it
@@ -121,10 +121,12 @@ class Case(Section):
     @model_validator(mode="after")
     def _in_time(self) -> "Case":
         if self.motion.frequency is None and self.time.periods is not None:
-            raise needed("motion.frequency", "without one, give time.duration and time.step in the place of periods")
+            raise needed(
+                "motion.frequency", "for a non-periodic motion give time.duration and time.step instead of periods"
+            )
         if self.steps > MAX_STEPS:
             product = "duration / time.step" if self.time.periods is None else "periods * time.steps_per_period"
-            raise ValueError(f"time.{product} = {self.steps}: at most {MAX_STEPS} steps in one case")
+            raise ValueError(f"time.{product} = {self.steps}; the limit is {MAX_STEPS} steps per case")
         for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch), ("surge", self.motion.surge)):
             if isinstance(axis, Table) and (problem := axis.problem(self.motion.frequency, self.duration)):
                 raise ValueError(f"motion.{name}: {problem}")
@@ -139,22 +141,22 @@ class Case(Section):
 
     @property
     def model(self) -> str:
-        """What the fluid model is called in headings."""
+        """Display name of the fluid model."""
         return model_name(self.solver)
 
     @property
     def periodic(self) -> bool:
-        """Whether the motion has a frequency, so that there are beats to speak of."""
+        """Whether the motion has a frequency."""
         return self.motion.frequency is not None
 
     @property
     def beat(self) -> float:
-        """The period, s, or the whole run where nothing repeats; a result is told in beats."""
+        """Period in s; the duration of the run for a non-periodic motion."""
         return self.duration if self.motion.frequency is None else 1.0 / self.motion.frequency
 
     @property
     def duration(self) -> float:
-        """Time from the first step to the last, s."""
+        """Duration of the run, s."""
         return self.steps * self.step
 
     @property
@@ -169,27 +171,27 @@ class Case(Section):
 
     @property
     def steps_per_beat(self) -> float:
-        """Number of time steps in a `beat`."""
+        """Number of time steps per `beat`."""
         return self.steps / self.time.periods if self.time.periods else self.beat / self.step
 
     def frames(self, steps: int | None = None) -> int:
-        """How many of the first so many steps (all of them if None), step 0 included, store their fields.
+        """Number of stored frames in the first `steps` steps, step 0 included (None: all steps).
 
-        They are every `output.every`-th step, and the last.
+        Fields are stored every `output.every` steps and at the last step.
         """
         steps = self.steps + 1 if steps is None else steps
         beside = steps > self.steps and self.steps % self.output.every > 0
         return -(-steps // self.output.every) + beside
 
     def step_of(self, frame: Any) -> Any:
-        """The step of a frame of fields, or of an array of them, counted from 0."""
+        """Step index of a frame, or of an array of frames, counted from 0."""
         return np.minimum(np.asarray(frame) * self.output.every, self.steps)
 
     @property
     def reference_speed(self) -> float:
-        """What `uvlm.suction_limit` is a share of, m/s.
+        """Reference speed for `uvlm.suction_limit`, m/s.
 
-        As given, or the root mean square of the rigid leading edge's speed relative to the stream.
+        The value given in the case, or the root-mean-square speed of the rigid leading edge relative to the stream.
         """
         return self.uvlm.reference_speed or self._leading_edge_speed
 
@@ -199,7 +201,7 @@ class Case(Section):
 
     @cached_property
     def _march(self) -> tuple[int, float]:
-        """Number of time steps and step, s."""
+        """Number of time steps, and the time step in s."""
         time, frequency = self.time, self.motion.frequency
         if time.periods is not None and frequency is not None:
             asked = time.steps_per_period
@@ -214,7 +216,7 @@ class Case(Section):
         return max(1, math.floor(duration / step * (1.0 + 1e-12))), step
 
     def _edge_speed(self, behind: float) -> float:
-        """Root mean square speed (m/s) relative to the stream, over a beat, so many chords behind the pivot."""
+        """Root-mean-square speed (m/s) relative to the stream over a beat, at a distance behind the pivot in chords."""
         from ..motion import sampling as motion  # noqa: PLC0415 - few cases need it
 
         over = 1.0 / self.motion.frequency if self.motion.frequency else cast(float, self.time.duration)
@@ -222,16 +224,16 @@ class Case(Section):
         return motion.typical_speed(self.motion, behind * self.wing.chord, self.fluid.velocity, times)
 
     def matched_step(self) -> float:
-        """The time (s) in which the trailing edge travels as far through the fluid as the fluid model says."""
+        """Time (s) in which the trailing edge travels the model's stride through the fluid."""
         from .. import fluids  # noqa: PLC0415 - only an automatic step needs them
 
         speed = self._edge_speed(1.0 - self.wing.pivot)
         if not speed:
-            raise ValueError('time: nothing moves, so "auto" finds no step; give a number')
+            raise ValueError('time: "auto" needs a moving wing or a stream; give the time step as a number')
         return fluids.load(self.solver).stride(self) / speed
 
     def resolved(self) -> "Case":
-        """The case with a number in the place of an automatic step, and what its fluid model adds."""
+        """The case with its automatic time step resolved and the fluid model's own defaults filled in."""
         from .. import fluids  # noqa: PLC0415 - to run it, not to read it
 
         name = {"steps_per_period": round(self.steps_per_beat), "step": self.step}
@@ -249,7 +251,7 @@ class Case(Section):
         return self._following(document, "override", self.origin.folder or Path())
 
     def changed(self, values: Mapping[str, Any], source: str = "changed") -> "Case":
-        """A copy with the values of some dotted keys changed; what it does not touch is not checked again.
+        """A copy with some dotted keys changed. Only the changed tables are checked again.
 
         Raises:
             CaseError: with every problem found.
@@ -264,26 +266,26 @@ class Case(Section):
 
     @property
     def origin(self) -> Origin:
-        """Where the tables of its motion were read from; nowhere in a case that a result or a map holds."""
+        """Files from which the motion tables were read; empty for a case stored in a result or map."""
         return self.__dict__.get("_origin", Origin())
 
     def _following(self, document: Mapping[str, Any], source: str, folder: Path | None) -> "Case":
-        """The case of a changed document; tables that it has in common with this one keep their origin."""
+        """The case of a changed document. Motion tables shared with this case keep their origin."""
         case = parse_case(document, source, folder)
         kept = {name: given for name, given in self.origin.tables.items() if _points(case, name) == _points(self, name)}
         return case._from(Origin(self.origin.folder, kept | case.origin.tables))
 
     def _from(self, origin: Origin) -> "Case":
-        # Like a cached property: no field, so that it is no part of the case.
+        # Stored like a cached property, so that it does not count as a field of the case.
         self.__dict__["_origin"] = origin
         return self
 
     def _opened(self, keys: Iterable[str]) -> dict[str, Any]:
-        """The case by section: as plain values where a key begins with its name, else as it is, checked already."""
+        """The case by table: changed tables as plain values, unchanged tables as they are."""
         keys = {key.partition("=")[0].strip() for key in keys}
         names = {key.partition(".")[0] for key in keys}
         opened = self.model_dump(mode="json", exclude_none=True, include=names)
-        if "uvlm" in opened:  # what it leaves out depends on its leading edge
+        if "uvlm" in opened:  # its defaults depend on the leading edge
             opened["uvlm"] = self.uvlm.model_dump(mode="json", exclude_none=True, exclude_unset=True)
         if "motion" in opened:
             opened["motion"] = reopened(opened["motion"], keys, self.origin)
@@ -299,7 +301,7 @@ class Case(Section):
         return self.model_dump(mode="json", exclude_none=True)
 
     def to_toml(self) -> str:
-        """The case as a file that `load_case` reads back to an equal case."""
+        """The case as TOML text. `load_case` reads it back to an equal case."""
         return tomli_w.dumps(self.to_dict())
 
 
@@ -335,8 +337,8 @@ def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path |
     """Check a case given as nested dictionaries.
 
     Args:
-        source: what the messages call it.
-        folder: where the files that it names are; None for a case that may name none.
+        source: name of the case in messages.
+        folder: folder of the files that the case names; None forbids such files.
 
     Raises:
         CaseError: with every problem found.
@@ -358,7 +360,7 @@ def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path |
 
 
 def held_case(text: str, source: str) -> Case:
-    """The case within a result or a map, from a stranger perhaps: it opens no file, and its texts can be printed.
+    """The case stored in a result or map, which is untrusted: no file is opened, and its text is made printable.
 
     Raises:
         CaseError: with every problem found.
@@ -374,7 +376,7 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
     """Apply `KEY=VALUE` settings to a document; values are TOML, and a bare word is a string.
 
     Raises:
-        CaseError: for a setting that has no `=`, no readable value, or that goes through a number or text.
+        CaseError: if a setting has no `=`, an invalid value, or a key below something that is not a table.
     """
     changed = _copy(document)
     problems = []
@@ -396,10 +398,10 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
 
 
 def read_value(text: str) -> Any:
-    """The value that a setting gives: TOML, or a bare word as a string.
+    """Value of a setting: TOML, or a bare word as a string.
 
     Raises:
-        ValueError: when it is neither.
+        ValueError: if it is neither.
     """
     try:
         return tomllib.loads(f"value = {text}")["value"]
@@ -420,7 +422,7 @@ def case_schema() -> dict[str, Any]:
 
 
 def _place(document: dict[str, Any], key: str, value: Any) -> str:
-    """Set the value of a dotted key; returns the name of what on the way to it is no table, if something is."""
+    """Set the value of a dotted key. Returns the first part of the key that is not a table, if any."""
     *tables, last = key.split(".")
     for name in tables:
         document = document.setdefault(name, {})
@@ -437,8 +439,8 @@ def _copy(document: Mapping[str, Any]) -> dict[str, Any]:
 def _no_text(path: Path) -> str:
     with path.open("rb") as file:
         if file.read(4) == b"\x89HDF":
-            return "a result or a map, not a case file; taichiflap info shows what is in it"
-    return "not a text file in UTF-8"
+            return "this is a result or a map, not a case file; taichiflap info describes it"
+    return "not a UTF-8 text file"
 
 
 def _nearest_file(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Columns of numbers from a text file, as measuring programs, spreadsheets and Fortran write them."""
+"""Columns of numbers from text files written by instruments, spreadsheets and Fortran programs."""
 
 import codecs
 import difflib
@@ -10,30 +10,30 @@ from .document import DocumentError, read_bytes
 
 NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eEdD][+-]?\d+)?")
 COMMENT = re.compile(r"\s*(#|%|;|//|!|sep=.$)")
-"""What begins a line that is a comment, or a spreadsheet's word on its separator."""
+"""Start of a comment line, or of a spreadsheet's separator declaration."""
 BEHIND = re.compile(r"#.*|(?<=\d)\s+[%!].*")
-"""A comment behind the numbers of a line."""
+"""A comment after the numbers of a line."""
 UNIT = re.compile(r"[(\[{]([^)\]}]*)[)\]}]\s*$|(?:_|,\s*|\s/\s|\sin\s|/(?!T))(\w+|°)\s*$")
 """The unit in a column's name: in brackets, or after an underscore, a comma, a slash or `in`. A share t/T has none."""
 ALIKE = str.maketrans(
     dict.fromkeys("\u2212\u2012\u2013\ufe63\uff0d", "-") | dict.fromkeys("\u00a0\u2007\u2009\u202f", " ")
 )
-"""Minus signs and spaces of word processors."""
+"""Typographic minus signs and spaces."""
 QUOTED = re.compile(r"\"([^\"]*)\"|'([^']*)'")
 HIDDEN = {",": "\ue000", ";": "\ue001", "\t": "\ue002", " ": "\ue003"}
-"""What stands for a separator within quotes while a line is split."""
+"""Placeholder for a quoted separator while a line is split."""
 _HIDE = str.maketrans("".join(HIDDEN), "".join(HIDDEN.values()))
 _SHOW = str.maketrans("".join(HIDDEN.values()), "".join(HIDDEN))
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 OTHERS = {b"PK\x03\x04": "a spreadsheet", b"\x89HDF": "an HDF5 file", b"\x89PNG": "a picture", b"%PDF": "a PDF"}
-"""Beginnings of files that people have their tables in, and that are not text."""
+"""First bytes of common table files that are not text."""
 COMMAS = re.compile(r"\s*,\s*")
 SPACES = re.compile(r"\s+")
 EITHER = re.compile(r"\s*,\s*|\s+")
 NOT_WITHIN_NUMBERS = re.compile(r"\s*,\s+|\s+,\s*|\s+")
 LONGEST_NAME = 80
 HEADINGS = 3
-"""Lines before the numbers: a title, names, and units."""
+"""Maximum number of lines before the numbers: a title, names and units."""
 UNITS = frozenset(
     (
         "s",
@@ -60,11 +60,11 @@ UNITS = frozenset(
         "-",
     )
 )
-"""What a row of units holds, but for what stands in brackets."""
+"""Units recognised in a row of units, besides text in brackets."""
 
 
 class ColumnsError(ValueError):
-    """A file without the columns that are asked for: one sentence."""
+    """Raised when a file lacks the requested columns; one sentence."""
 
 
 @dataclass(frozen=True)
@@ -73,9 +73,9 @@ class Column:
 
     Attributes:
         number: counted from 1.
-        name: as the file's heading has it, or empty.
-        unit: what the heading, or a row of units below it, gives as its unit, or empty.
-        values: its cells and their line numbers.
+        name: from the file's heading, or empty.
+        unit: from the heading or from a row of units below it, or empty.
+        values: cells with their line numbers.
     """
 
     number: int
@@ -87,63 +87,63 @@ class Column:
         return f'column {self.number} ("{self.name}")' if self.name else f"column {self.number}"
 
     def numbers(self) -> list[float]:
-        """Its numbers.
+        """The column as numbers.
 
         Raises:
-            ColumnsError: for a cell that holds something else.
+            ColumnsError: if a cell is not a number.
         """
         for line, cell in self.cells:
             if not NUMBER.fullmatch(cell):
-                raise ColumnsError(f"line {line} holds no numbers in column {self.number}: {cell[:40] or 'nothing'}")
+                raise ColumnsError(f"line {line} has no number in column {self.number}: {cell[:40] or 'nothing'}")
         return [_value(cell) for _, cell in self.cells]
 
 
 def column(columns: list[Column], which: int | str) -> Column:
-    """A column by its number, or by its name with or without the unit.
+    """Find a column by its number, or by its name with or without the unit.
 
     Raises:
-        ColumnsError: when there is none.
+        ColumnsError: if there is no such column.
     """
     if isinstance(which, int):
         if which <= len(columns):
             return columns[which - 1]
         line, _ = columns[0].cells[0]
-        raise ColumnsError(f"line {line} has no column {which}: it has {len(columns)}")
+        raise ColumnsError(f"line {line} has no column {which}; the last is {len(columns)}")
     found = [one for one in columns if plain(which) in (plain(one.name), bare(one.name))]
     if found:
         return found[0]
     names = [one.name for one in columns if one.name]
     if not names:
-        raise ColumnsError(f'has no column "{which}": its columns have no names, give a number')
+        raise ColumnsError(f'has no column "{which}": its columns have no names; give a number')
     nearest = difflib.get_close_matches(which, names, 1)
-    hint = f"did you mean {nearest[0]}?" if nearest else f"there are {', '.join(names)}"
+    hint = f"did you mean {nearest[0]}?" if nearest else f"its columns are {', '.join(names)}"
     raise ColumnsError(f'has no column "{which}"; {hint}')
 
 
 def plain(name: str) -> str:
-    """A name without capitals and spaces."""
+    """A name in lower case without spaces."""
     return SPACES.sub("", name).casefold()
 
 
 def bare(name: str) -> str:
-    """A name without its unit, too."""
+    """A name in lower case without spaces and unit."""
     return plain(UNIT.sub("", name))
 
 
 def read_columns(path: Path) -> list[Column]:
-    """The columns of a text file.
+    """Read the columns of a text file.
 
-    Numbers stand between tabs, semicolons, commas or spaces, perhaps in quotes, with decimal points, or with decimal
-    commas where these cannot be taken for commas between numbers. Comments begin with `#`, `%`, `;`, `//` or `!`. A
-    heading of names may come first, and a row of units below it; a comment just above the numbers is a heading if it
-    has a name for every column.
+    Numbers are separated by tabs, semicolons, commas or spaces, and may be quoted. They have decimal points, or decimal
+    commas if these cannot be mistaken for separators. Comments begin with `#`, `%`, `;`, `//` or `!`. A heading with
+    column names may come first, followed by a row of units. A comment directly above the numbers is taken as the
+    heading if it names every column.
 
     Raises:
-        ColumnsError: when it cannot be read, could be read in two ways, or its lines differ in their columns.
+        ColumnsError: if the file cannot be read, is ambiguous, or its lines have different numbers of columns.
     """
     lines, above = _without_comments(_text(path).translate(ALIKE))
     if not lines:
-        raise ColumnsError("not a text file with lines of numbers")
+        raise ColumnsError("not a text file with rows of numbers")
     separator = _separator([text for _, text in lines])
     rows = [(number, _cells(text, separator)) for number, text in lines]
     if all(len(cells) > 1 and not cells[-1] for _, cells in rows[HEADINGS:]):  # a separator at the end of each line
@@ -157,19 +157,20 @@ def read_columns(path: Path) -> list[Column]:
     width = len(rows[0][1])
     for number, cells in rows:
         if len(cells) != width:
-            raise ColumnsError(f"line {number} has {len(cells)} columns, the first has {width}: {' '.join(cells)[:40]}")
+            text = " ".join(cells)[:40]
+            raise ColumnsError(f"line {number} has {len(cells)} columns but the first line has {width}: {text}")
     units = headings.pop() if len(headings) > 1 and all(map(_is_unit, headings[-1])) else []
     names = headings.pop() if headings else _cells(above, separator)
     if len(headings) > 1:
         raise ColumnsError(f"line 2 holds no numbers: {lines[1][1][:40]}")
     if separator is COMMAS and len(lines) > len(rows) and width >= 2 * len(names):
         raise ColumnsError(
-            f"has {len(names)} names over {width} columns: commas stand between numbers and within them; "
-            "put semicolons between them"
+            f"has {len(names)} names for {width} columns: commas are used both as separators and as decimal signs; "
+            "separate numbers with semicolons"
         )
     if len(lines) > len(rows) and len(names) != width and any(map(_unit, names)):
         raise ColumnsError(
-            f"has {len(names)} names over {width} columns: give each column one name, or put # before them"
+            f"has {len(names)} names for {width} columns; give one name per column, or start the heading with #"
         )
     _check_decimals(rows, separator, any(names))
     names = [name[:LONGEST_NAME] for name in names] if len(names) == width else [""] * width
@@ -196,34 +197,34 @@ def _text(path: Path) -> str:
         raise ColumnsError(str(error)) from None
     for mark, kind in OTHERS.items():
         if content.startswith(mark):
-            raise ColumnsError(f"not a text file but {kind}; save its columns as CSV")
+            raise ColumnsError(f"this is {kind}, not a text file; save its columns as CSV")
     coding = next((coding for mark, coding in MARKS.items() if content.startswith(mark)), "utf-8")
     if coding == "utf-8" and b"\0" in content[:2]:
         coding = "utf-16-be" if content[0] == 0 else "utf-16-le"
     try:
         text = content.decode(coding)
     except UnicodeDecodeError:
-        text = content.decode("latin-1")  # a name or a degree sign by an older program
+        text = content.decode("latin-1")  # a name or a degree sign in an older encoding
     if any(c < " " and not c.isspace() for c in text):
         raise ColumnsError("not a text file")
     return text
 
 
 def _without_comments(text: str) -> tuple[list[tuple[int, str]], str]:
-    """The other lines with their numbers, and the last comment before the first of them."""
+    """The remaining lines with their line numbers, and the last comment before the first of them."""
     found: list[tuple[int, str]] = []
     above = ""
     for number, line in enumerate(text.splitlines(), 1):
         if mark := COMMENT.match(line):
             above = above if found else line[mark.end() :]
         elif rest := BEHIND.sub("", line).strip():
-            # A first cell that is empty, above an index, is a cell.
+            # An empty first cell above an index column counts as a cell.
             found.append((number, f"\t{rest}" if line.startswith("\t") else rest))
     return found, above.strip()
 
 
 def _separator(lines: list[str]) -> re.Pattern[str]:
-    """What stands between the numbers of a line."""
+    """The separator of a line."""
     body = [_hidden(line) for line in (lines[2:] or lines)]
     joined = "\n".join(body)
     if all(";" in line for line in body):
@@ -236,7 +237,7 @@ def _separator(lines: list[str]) -> re.Pattern[str]:
     glued = re.search(r"\d,\d", joined)
     apart = all(re.search(r"[^\s,]\s+[^\s,]", line) for line in body)
     if points and glued and apart:
-        raise ColumnsError("has decimal points, and both commas and spaces between numbers; keep one separator")
+        raise ColumnsError("has both commas and spaces between numbers; use one separator")
     if points:
         return EITHER
     if glued and all(re.search(r"\S\s+\S", line) for line in body):
@@ -245,7 +246,7 @@ def _separator(lines: list[str]) -> re.Pattern[str]:
 
 
 def _hidden(line: str) -> str:
-    """A line whose separators within quotes are none."""
+    """A line with its quoted separators masked."""
     return QUOTED.sub(lambda found: (found[1] or found[2] or "").translate(_HIDE), line)
 
 
@@ -257,20 +258,20 @@ def _cells(line: str, separator: re.Pattern[str]) -> list[str]:
 
 
 def _check_decimals(rows: list[tuple[int, list[str]]], separator: re.Pattern[str], named: bool) -> None:
-    """Refuse commas that may be decimal ones, or not."""
+    """Raise an error if commas may be either decimal signs or separators."""
     if separator is COMMAS:
         fraction = next((cell for _, cells in rows for cell in cells if re.fullmatch(r"0\d+", cell)), None)
         if fraction:
             raise ColumnsError(
-                f'has "{fraction}" between commas, which looks like the decimals of a number; '
-                "put semicolons between the numbers, or use decimal points"
+                f'has "{fraction}" between commas, which looks like decimals; separate the numbers with semicolons, '
+                "or use decimal points"
             )
         width = len(rows[0][1])
         whole = all(cell.lstrip("+-").isdigit() for _, cells in rows for cell in cells)
         if whole and not named and width > 2 and width % 2 == 0:
             raise ColumnsError(
-                f"has whole numbers alone between commas, in {width} columns: are they decimals? Put semicolons "
-                "between the numbers, or a line of names above them"
+                f"has only whole numbers between commas, in {width} columns; they may be decimals: separate the "
+                "numbers with semicolons, or add a heading with column names"
             )
     found = {
         mark: next(((number, cell) for number, cells in rows for cell in cells if _has(mark, cell)), None)
@@ -278,9 +279,7 @@ def _check_decimals(rows: list[tuple[int, list[str]]], separator: re.Pattern[str
     }
     if found[","] and found["."]:
         number, cell = found[","]
-        raise ColumnsError(
-            f"line {number} has {cell}, line {found['.'][0]} has {found['.'][1]}: write decimals in one way"
-        )
+        raise ColumnsError(f"line {number} has {cell}, line {found['.'][0]} has {found['.'][1]}: use one decimal sign")
 
 
 def _has(mark: str, cell: str) -> bool:
@@ -297,5 +296,5 @@ def _unit(name: str) -> str:
 
 
 def _is_unit(cell: str) -> bool:
-    """Whether a cell of a row of units may be one."""
+    """Whether a cell may belong to a row of units."""
     return not cell or bool(re.fullmatch(r"[(\[].*[)\]]", cell)) or plain(cell) in UNITS

@@ -1,4 +1,4 @@
-"""`[dbet]`: settings of the blade elements."""
+"""`[dbet]`: settings of deformable blade element theory."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
@@ -13,7 +13,7 @@ class Polar:
     """Coefficients of a separated plate: `C_L = lift_max sin 2A`, `C_D` from `drag_min` to `drag_max` as `sin^2 A`.
 
     Attributes:
-        reynolds: range of the Reynolds number (mean speed and chord) in which the set is used.
+        reynolds: Reynolds numbers (mean speed and chord) for which the set was measured.
         source: where the numbers come from.
     """
 
@@ -49,7 +49,7 @@ _PAPER = {
     "rotation": 0.0,
     "friction": "none",
 }
-"""What a file means that says `added_mass = true` or `false`, as files of version 1 do, and leaves these out."""
+"""Defaults for files of version 0.1, which have `added_mass = true` or `false`."""
 
 
 class Dbet(Section):
@@ -61,43 +61,41 @@ class Dbet(Section):
         "or, below a Reynolds number of 200, 1.2/0.4/2.4",
     )  # fmt: skip
     lift_max: float | None = key(
-        None, text="largest lift coefficient, at 45 degrees, in place of the set's", example=1.8, ge=0, le=100
+        None, text="maximum lift coefficient, at 45 degrees; replaces that of the set", example=1.8, ge=0, le=100
     )
     drag_min: float | None = key(
-        None, text="drag coefficient along the chord, in place of the set's", example=0.4, ge=0, le=100
+        None, text="drag coefficient at zero angle of attack; replaces that of the set", example=0.4, ge=0, le=100
     )
     drag_max: float | None = key(
-        None, text="drag coefficient across the chord, in place of the set's", example=3.4, ge=0, le=100
+        None, text="drag coefficient at 90 degrees; replaces that of the set", example=3.4, ge=0, le=100
     )
     frame: Literal["deformed", "chord"] = key(
-        "deformed", text="forces along the normal and tangent of the bent wing, or of the undeformed chord"
+        "deformed", text="direction of the forces: normal and tangent of the bent wing, or of the undeformed chord"
     )
     added_mass: Literal["potential", "strip", "none"] = key(
-        "potential", text="added mass: potential flow about the whole chord, the paper's independent strips, or none"
+        "potential", text="added mass: potential flow about the whole chord, independent strips (the paper's), or none"
     )
     attached: bool = key(
-        True, text="attached flow at small angles of attack: unsteady thin-aerofoil theory with its wake's memory"
+        True, text="attached flow at small angles of attack: unsteady thin-aerofoil theory, including the wake's memory"
     )
-    stall_deg: Stall = key(
-        (20.0, 45.0), unit="deg", text="angles of attack between which attached flow gives way to separated flow"
-    )
+    stall_deg: Stall = key((20.0, 45.0), unit="deg", text="angles of attack at which separation starts and is complete")
     suction: float = key(
-        1.0, text="share of the leading-edge suction that attached flow keeps: 1 a round edge, 0 none", ge=0, le=1
+        1.0, text="fraction of the leading-edge suction in attached flow: 1 for a round edge, 0 for none", ge=0, le=1
     )
     rotation: float = key(
-        1.0, text="factor of the force of pitch rotation on separated flow; 0: none", ge=0, le=10
+        1.0, text="factor of the rotational force in separated flow; 0: none", ge=0, le=10
     )  # fmt: skip
     friction: Literal["laminar", "none"] = key(
-        "laminar", text="skin friction of attached flow, of a laminar boundary layer where fluid.viscosity is given"
+        "laminar", text="skin friction of a laminar boundary layer in attached flow; needs fluid.viscosity"
     )
     speed: Literal["full", "truncated"] = key(
-        "full", text="square of the local speed: full, or truncated as the paper's Eqs 21-22"
+        "full", text="square of the local speed: full, or truncated as in the paper's Eqs 21-22"
     )
 
     @model_validator(mode="before")
     @classmethod
     def _of_version_1(cls, given: Any) -> Any:
-        """`added_mass` was true or false; what such a file leaves out is the paper's model."""
+        """Accept `added_mass = true` or `false`; the other settings then default to the paper's model."""
         if isinstance(given, dict) and isinstance(given.get("added_mass"), bool):
             return {**_PAPER, **given, "added_mass": "strip" if given["added_mass"] else "none"}
         return given
@@ -106,12 +104,12 @@ class Dbet(Section):
     @classmethod
     def _rising(cls, stall: tuple[float, float]) -> tuple[float, float]:
         if not stall[0] < stall[1]:
-            raise ValueError("the first angle must be less than the second")
+            raise ValueError("the first angle must be smaller than the second")
         return stall
 
     @property
     def polar(self) -> Polar:
-        """The coefficients of separated flow: those of the named set but for what the file gives itself."""
+        """Coefficients of separated flow: the named set, with the file's own values where given."""
         own = {name: getattr(self, name) for name in ("lift_max", "drag_min", "drag_max")}
         given = {name: value for name, value in own.items() if value is not None}
         named = POLARS[self.coefficients]

@@ -1,4 +1,6 @@
-"""A case file as text and as nested tables, read within limits whoever wrote it: no size, depth or count gets far."""
+"""A case file as text and as nested tables, with limits on size, depth and number of keys, since files may be
+untrusted.
+"""
 
 import math
 import os
@@ -12,29 +14,29 @@ from typing import Any
 from ..notation import printable
 
 MOST_BYTES = 2**24
-"""Bytes of a case file, and of a file of points: half a million rows."""
+"""Maximum size, in bytes, of a case file or a motion table: half a million rows."""
 MOST_KEYS = 2000
-"""Keys and tables of a case; the longest has a hundred."""
+"""Maximum number of keys and tables; the longest case has a hundred."""
 DEEPEST = 16
-"""Tables within tables; a case has three."""
+"""Maximum nesting of tables; a case has three levels."""
 LONGEST = 2**63
-"""Whole numbers are smaller: none of a case is anywhere near."""
+"""Upper bound of whole numbers, far above any value in a case."""
 CHAIN = re.compile(r"(?:^|[\[{,])(?:[ \t]*(?:\"[^\"\n]*\"|'[^'\n]*'|[\w-]+)[ \t]*\.){17}", re.MULTILINE | re.ASCII)
-"""A dotted key of more parts than any: tomllib takes time that grows with the square of them."""
+"""A dotted key with too many parts; the time that tomllib takes grows with their square."""
 
 
 class DocumentError(ValueError):
-    """A file or a text that cannot be a case: one sentence."""
+    """Raised for a file or text that cannot be a case; one sentence."""
 
 
 def read_text(path: Path, *, regular: bool = False) -> str:
-    """The text of a file in UTF-8, without the mark that may come first.
+    """Text of a UTF-8 file, without a byte order mark.
 
     Args:
         regular: see `read_bytes`.
 
     Raises:
-        DocumentError: when it is too large, no regular file, or no text.
+        DocumentError: if it is too large, not a regular file, or not text.
         OSError: when the system refuses.
     """
     return read_bytes(path, regular=regular).decode("utf-8-sig")
@@ -44,15 +46,15 @@ def read_bytes(path: Path, *, regular: bool = False) -> bytes:
     """The bytes of a file.
 
     Args:
-        regular: refuse what is no regular file before it is opened: a pipe would wait, a device never ends.
+        regular: accept only regular files, since a pipe would block and a device never ends.
 
     Raises:
-        DocumentError: when it is too large, or no regular file.
+        DocumentError: if it is too large or not a regular file.
         OSError: when the system refuses.
     """
     if "\0" in str(path):
-        raise DocumentError("a name of a file holds no NUL")
-    # Opened first and looked at then, so that nothing takes its place in between; a pipe is not waited for.
+        raise DocumentError("a file name cannot contain NUL")
+    # Open first, then check, so that the file cannot be replaced in between; do not wait for a pipe.
     handle = os.open(path, os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | (getattr(os, "O_NONBLOCK", 0) if regular else 0))
     with open(handle, "rb") as file:
         found = os.fstat(handle)
@@ -60,7 +62,7 @@ def read_bytes(path: Path, *, regular: bool = False) -> bytes:
             raise DocumentError("not a regular file")
         data = b"" if found.st_size > MOST_BYTES else file.read(MOST_BYTES + 1)
     if found.st_size > MOST_BYTES or len(data) > MOST_BYTES:
-        raise DocumentError(f"larger than {MOST_BYTES >> 20} MB, the most that is read")
+        raise DocumentError(f"larger than the limit of {MOST_BYTES >> 20} MB")
     return data
 
 
@@ -68,7 +70,7 @@ def read_toml(text: str) -> dict[str, Any]:
     """Nested tables of a TOML text.
 
     Raises:
-        DocumentError: when it is not TOML, or keys are deeper than those of any case.
+        DocumentError: if it is not TOML or is nested too deeply.
     """
     if CHAIN.search(text):
         raise DocumentError("not a case file: tables nested too deeply")
@@ -83,17 +85,17 @@ def read_toml(text: str) -> dict[str, Any]:
 
 
 def check(document: Mapping[str, Any]) -> None:
-    """Refuse what is too deep, too many, or a whole number too large to be told.
+    """Raise an error if a document is nested too deeply, has too many keys, or has a whole number out of range.
 
     Raises:
-        DocumentError: with the key, where it is one key's fault.
+        DocumentError: names the key at fault, if there is one.
     """
     count = 0
     waiting: list[tuple[str, Any, int]] = [("", document, 0)]
     while waiting:
         name, value, depth = waiting.pop()
         if isinstance(value, int) and abs(value) >= LONGEST:
-            raise DocumentError(f"{printable(name)}: a whole number of {_digits(value)} digits; give fewer than 19")
+            raise DocumentError(f"{printable(name)}: whole number with {_digits(value)} digits; give at most 18")
         if depth > DEEPEST:
             raise DocumentError("not a case file: tables nested too deeply")
         if isinstance(value, Mapping):
@@ -107,37 +109,37 @@ def check(document: Mapping[str, Any]) -> None:
 
 
 def _may_hide(value: Any) -> bool:
-    # Tables of motion hold millions of numbers.
+    # Motion tables hold millions of numbers.
     kind = type(value)
     return kind is not float and (kind is list or (kind is int and abs(value) >= LONGEST) or isinstance(value, Mapping))
 
 
 def _digits(value: int) -> int:
-    """About how many digits a whole number has; Python writes out no more than 4,300."""
+    """Approximate number of digits of a whole number; Python prints at most 4,300."""
     return int((abs(value).bit_length() - 1) * math.log10(2.0)) + 1
 
 
 def own_case(text: str) -> dict[str, Any]:
-    """The document of a case that a result or a map holds, with texts that can be printed.
+    """The case document stored in a result or map, with its text made printable.
 
     Raises:
-        DocumentError: when it is no case.
+        DocumentError: if it is not a case.
     """
     return {printable(key): _printable(value) for key, value in read_toml(text).items()}
 
 
 def names_no_file(document: Mapping[str, Any]) -> None:
-    """Refuse a case that names a file where none may be opened.
+    """Raise an error if a case names a file where no file may be opened.
 
     Raises:
-        DocumentError: with the key.
+        DocumentError: names the key.
     """
     motion = document.get("motion")
     for name, table in motion.items() if isinstance(motion, Mapping) else ():
         if isinstance(table, Mapping) and table.get("file") is not None:
             raise DocumentError(
-                f"motion.{printable(str(name))}.file: no file is read here; a result and a map hold their points, "
-                "and a study takes them from the case file"
+                f"motion.{printable(str(name))}.file: no file may be read here; results and maps contain their "
+                "points, and a study reads them from the case file"
             )
 
 
@@ -146,7 +148,7 @@ def _printable(value: Any) -> Any:
         return printable(value)
     if isinstance(value, dict):
         return {printable(key): _printable(one) for key, one in value.items()}
-    # Of lists only those of texts: tables of motion are long.
+    # Only lists of text are followed, since motion tables are long.
     return [_printable(one) for one in value] if isinstance(value, list) and any(map(_is_text, value)) else value
 
 

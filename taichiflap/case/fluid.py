@@ -1,4 +1,4 @@
-"""`[fluid]`: what surrounds the wing."""
+"""`[fluid]`: the fluid around the wing."""
 
 from typing import Annotated, Literal
 
@@ -22,37 +22,38 @@ class Fluid(Section):
     )
     velocity: Velocity = key((0.0, 0.0), unit="m/s", text="free stream along Y and Z (-Y is up)")
     gust: Literal["none", "sharp_edged", "one_minus_cosine", "sinusoidal"] = key(
-        "none", text="gust across the stream that is carried along with it; nothing is ahead of its front"
+        "none", text="gust normal to the stream, carried along with it"
     )
     gust_velocity: float = key(
         0.0,
         unit="m/s",
-        text="largest velocity of the gust, a quarter turn counter-clockwise from the stream (along Z for one along Y)",
+        text="maximum velocity of the gust, 90 degrees counter-clockwise from the stream (along Z for a stream along "
+        "Y)",
         ge=-1000,
         le=1000,
     )
     gust_length: float | SkipJsonSchema[None] = key(
         None,
         unit="m",
-        text="length of a one_minus_cosine gust, or wavelength of a sinusoidal one",
+        text="length of a one_minus_cosine gust, or wavelength of a sinusoidal gust",
         example=0.1,
         gt=0,
         le=1e6,
     )
     gust_arrival: float = key(
-        0.0, unit="s", text="time at which the front of the gust meets the origin of Y and Z", ge=-1e6, le=1e6
+        0.0, unit="s", text="time at which the front of the gust reaches the origin of Y and Z", ge=-1e6, le=1e6
     )
 
     @model_validator(mode="after")
     def _of_gusts(self) -> "Fluid":
         if self.gust != "none":
             if not self.streams:
-                raise needed("velocity", "a gust is carried by a free stream")
+                raise needed("velocity", "a gust needs a free stream; set velocity")
             if self.gust != "sharp_edged" and self.gust_length is None:
-                raise needed("gust_length", f'gust = "{self.gust}" has a length')
+                raise needed("gust_length", f'gust = "{self.gust}" needs a length; set gust_length')
         return self
 
     @property
     def streams(self) -> bool:
-        """Whether there is a free stream; without one the wing hovers."""
+        """Whether there is a free stream."""
         return any(self.velocity)

@@ -1,4 +1,4 @@
-"""What is wrong with a case file, in words: the key, its value, what is allowed, and the nearest valid key."""
+"""Error messages of a case file: the key, its value, the allowed values, and the nearest valid key."""
 
 import difflib
 import functools
@@ -15,7 +15,7 @@ Keys = list[str | int]
 
 
 def describe(detail: ErrorDetails, document: Mapping[str, Any], root: type[BaseModel]) -> str:
-    """One line for one of pydantic's findings about `document`, a file that should fit the model `root`."""
+    """One-line message for one of pydantic's errors about `document`, checked as the model `root`."""
     found = detail["type"]
     context = detail.get("ctx", {})
     keys = _keys(detail["loc"], document, root)
@@ -41,13 +41,13 @@ def describe(detail: ErrorDetails, document: Mapping[str, Any], root: type[BaseM
 
 
 def _keys(loc: tuple[str | int, ...], document: Any, root: type[BaseModel]) -> Keys:
-    """The path within the file: pydantic's, without the tags of the alternatives that it tried."""
+    """The path within the file: pydantic's path without the tags of alternatives."""
     keys: Keys = []
     value: Any = document
     model: type[BaseModel] | None = root
     chosen = False
     for key in loc:
-        if chosen:  # the tag of a section of several kinds
+        if chosen:  # the tag of a table that has several kinds
             chosen = False
             continue
         if isinstance(value, Mapping):
@@ -68,18 +68,18 @@ def _dotted(keys: Iterable[str | int]) -> str:
 
 
 def sections(field: FieldInfo) -> list[type[BaseModel]]:
-    """The section that a key holds, or each of its kinds; none for a value."""
+    """The tables that a key may hold, one per kind; empty for a plain value."""
     annotations = [get_args(part)[0] if get_origin(part) is Annotated else part for part in get_args(field.annotation)]
     return [part for part in (field.annotation, *annotations) if isinstance(part, type) and issubclass(part, BaseModel)]
 
 
 def first_line(section: type[BaseModel]) -> str:
-    """What a section is."""
+    """First line of a table's description."""
     return (section.__doc__ or "").strip().partition("\n")[0]
 
 
 def _section(field: FieldInfo, value: Any = None) -> type[BaseModel] | None:
-    """The section that a key holds, of the kind that `value` asks for, else of the first."""
+    """The table that a key holds: the kind that `value` names, or else the first."""
     found = sections(field)
     kind = value.get("kind") if isinstance(value, Mapping) else None
     asked = [part for part in found if "kind" in part.model_fields and kind in get_args(_annotation(part, "kind"))]
@@ -91,7 +91,7 @@ def _annotation(model: type[BaseModel], key: str) -> Any:
 
 
 def _owner(keys: Keys, document: Any, root: type[BaseModel]) -> tuple[type[BaseModel] | None, str]:
-    """The section that holds the last named key of a path, and that key."""
+    """The table that holds the last named key of a path, and that key."""
     owner: type[BaseModel] | None = None
     model: type[BaseModel] | None = root
     name, value = "", document
@@ -131,7 +131,7 @@ def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterable[str]:
 
 
 def _allowed(owner: type[BaseModel], key: str) -> str:
-    """What a key may hold, from its schema: 'a number > 0 and <= 100 m, e.g. 0.02 (chord)'."""
+    """Allowed values of a key, from its schema: 'a number > 0 and <= 100 m, e.g. 0.02 (chord)'."""
     field = owner.model_fields[key]
     section = _section(field)
     if section:
@@ -190,7 +190,7 @@ def _shown(value: Any) -> str:
 
 
 def key_units(name: str, root: type[BaseModel]) -> tuple[str, str]:
-    """Unit and meaning of a dotted key of the model `root`, empty where it has none."""
+    """Unit and description of a dotted key of the model `root`; empty strings if absent."""
     owner, key = _owner([*name.split(".")], {}, root)
     if owner is None:
         return "", ""
@@ -200,7 +200,7 @@ def key_units(name: str, root: type[BaseModel]) -> tuple[str, str]:
 
 
 def holds_whole(name: str, document: Mapping[str, Any], root: type[BaseModel]) -> bool:
-    """Whether the numbers that a dotted key of a document may hold are whole ones."""
+    """Whether a dotted key takes whole numbers."""
     *_, last = name.split(".")
     owner, key = _owner([*name.split(".")], document, root)
     if owner is None or key != last:

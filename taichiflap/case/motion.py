@@ -1,4 +1,4 @@
-"""`[motion]`: what the pivot is made to do. `taichiflap.motion.waveforms` holds the formula of each kind."""
+"""`[motion]`: prescribed motion of the pivot. `taichiflap.motion.waveforms` holds the formula of each kind."""
 
 import math
 from collections.abc import Mapping
@@ -66,7 +66,9 @@ class HarmonicPitch(_AngleWave):
 
 class _Triangle(Travel):
     kind: Literal["triangle"] = key(text="kind: a smoothed triangular wave", example="triangle")
-    sharpness: float = key(text="K of Berman & Wang (2007): 0 a sine, towards 1 a triangle", example=0.7, ge=0, lt=1)
+    sharpness: float = key(
+        text="K of Berman & Wang (2007): 0 gives a sine, values near 1 a triangle", example=0.7, ge=0, lt=1
+    )
 
 
 class TrianglePlunge(_Triangle, _LengthWave):
@@ -79,7 +81,9 @@ class TrianglePitch(_Triangle, _AngleWave):
 
 class _Trapezoid(Travel):
     kind: Literal["trapezoid"] = key(text="kind: a smoothed trapezoidal wave", example="trapezoid")
-    sharpness: float = key(text="C of Berman & Wang (2007): 0 a sine, large a square wave", example=3.0, ge=0, le=100)
+    sharpness: float = key(
+        text="C of Berman & Wang (2007): 0 gives a sine, large values a square wave", example=3.0, ge=0, le=100
+    )
 
 
 class TrapezoidPlunge(_Trapezoid, _LengthWave):
@@ -91,14 +95,23 @@ class TrapezoidPitch(_Trapezoid, _AngleWave):
 
 
 class _Ramp(Travel):
-    kind: Literal["ramp"] = key(text="kind: a ramp, a hold and a return", example="ramp")
-    start: float = key(unit="s", text="when the ramp begins", example=0.1, ge=-1e6, le=1e6)
-    ramp: float = key(unit="s", text="duration of the ramp, and of the return", example=0.1, gt=0, le=1e6)
+    kind: Literal["ramp"] = key(text="kind: ramp, hold and return", example="ramp")
+    start: float = key(unit="s", text="start time of the ramp", example=0.1, ge=-1e6, le=1e6)
+    ramp: float = key(unit="s", text="duration of the ramp and of the return", example=0.1, gt=0, le=1e6)
     hold: float | None = key(
-        None, unit="s", text="duration of the hold before the return; for ever if left out", example=0.1, ge=0, le=1e6
+        None,
+        unit="s",
+        text="duration of the hold before the return; if left out, there is no return",
+        example=0.1,
+        ge=0,
+        le=1e6,
     )
     smoothing: float = key(
-        unit="1/s", text="corners are rounded over about its inverse: a U/c of Eldredge", example=200.0, gt=0, le=1e9
+        unit="1/s",
+        text="corners are rounded over about its inverse: a U/c in Eldredge's ramp",
+        example=200.0,
+        gt=0,
+        le=1e9,
     )
 
     @field_validator("smoothing")
@@ -106,9 +119,7 @@ class _Ramp(Travel):
     def _leaves_a_ramp(cls, value: float, info: ValidationInfo) -> float:
         ramp = info.data.get("ramp")
         if ramp is not None and value * ramp < 1.0:
-            raise ValueError(
-                f"rounds the corners over {1.0 / value:g} s, longer than the ramp itself; give >= {1.0 / ramp:g}"
-            )
+            raise ValueError(f"rounds the corners over {1.0 / value:g} s, longer than the ramp; give >= {1.0 / ramp:g}")
         return value
 
     @property
@@ -117,21 +128,23 @@ class _Ramp(Travel):
 
 
 class RampPlunge(_Ramp):
-    """Plunge from an initial position by an amplitude at a steady rate, held, and back."""
+    """Plunge from an initial position by an amplitude at a constant rate, a hold, and a return."""
 
-    amplitude: float = key(unit="m", text="travel of the ramp, of either sign", example=0.01, ge=-100, le=100)
+    amplitude: float = key(unit="m", text="travel of the ramp, positive or negative", example=0.01, ge=-100, le=100)
     initial: float = key(0.0, unit="m", text="position before the ramp", ge=-100, le=100)
 
 
 class RampPitch(_Ramp):
-    """Pitch from an initial angle by an amplitude at a steady rate, held, and back."""
+    """Pitch from an initial angle by an amplitude at a constant rate, a hold, and a return."""
 
-    amplitude_deg: float = key(unit="deg", text="turn of the ramp, of either sign", example=45.0, ge=-360, le=360)
+    amplitude_deg: float = key(
+        unit="deg", text="rotation of the ramp, positive or negative", example=45.0, ge=-360, le=360
+    )
     initial_deg: float = key(0.0, unit="deg", text="angle before the ramp", ge=-360, le=360)
 
 
 def kind_of(value: Any) -> str:
-    """Which kind of plunge or pitch a table of the file asks for."""
+    """Kind of plunge or pitch that a table of the file names."""
     return str(value.get("kind", "harmonic") if isinstance(value, Mapping) else getattr(value, "kind", "harmonic"))
 
 
@@ -161,45 +174,43 @@ class Motion(Section):
     """Prescribed motion of the pivot."""
 
     frequency: float | None = key(
-        None, unit="Hz", text="flapping frequency, of whatever repeats", example=25.0, gt=0, le=1e5
+        None, unit="Hz", text="flapping frequency; required by periodic motions", example=25.0, gt=0, le=1e5
     )
     plunge: Plunge = Field(default_factory=HarmonicPlunge, description="plunge along Z")
     pitch: Pitch = Field(default_factory=HarmonicPitch, description="pitch about the pivot")
     surge: Plunge = Field(default_factory=HarmonicPlunge, description="surge along Y, which points down")
-    measured: Measured | None = Field(None, description="measured angles, in the place of plunge, pitch and surge")
+    measured: Measured | None = Field(None, description="measured angles; they replace plunge, pitch and surge")
     start_up: float | None = key(
         None,
         unit="s",
-        text="plunge, pitch and surge grow smoothly from zero in this time",
+        text="time in which plunge, pitch and surge grow smoothly from zero",
         example=0.04,
         gt=0,
         le=1e6,
     )
-    start_up_periods: float | None = key(
-        None, unit="periods", text="the same, counted in periods", example=1.0, gt=0, le=1e5
-    )
+    start_up_periods: float | None = key(None, unit="periods", text="start_up in periods", example=1.0, gt=0, le=1e5)
 
     @model_validator(mode="after")
     def _consistent(self) -> "Motion":
         if self.measured and self.model_fields_set & {"plunge", "pitch", "surge"}:
-            raise ValueError("give plunge, pitch and surge, or measured, not both")
+            raise ValueError("give either plunge, pitch and surge or measured")
         if self.frequency is None and (
             self.measured or self.plunge.repeats or self.pitch.repeats or self.surge.repeats or self.start_up_periods
         ):
-            raise needed("frequency", "something here repeats")
+            raise needed("frequency", "required by periodic motions")
         if self.start_up and self.start_up_periods:
-            raise ValueError("give start_up or start_up_periods, not both")
+            raise ValueError("give either start_up or start_up_periods")
         return self
 
     @model_serializer(mode="wrap")
     def _without_what_follows(self, whole: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Of measured motion the angles alone: plunge, pitch and surge follow from them."""
+        """Store only the angles of a measured motion: plunge, pitch and surge follow from them."""
         dumped: dict[str, Any] = whole(self)
         return {k: v for k, v in dumped.items() if k not in ("plunge", "pitch", "surge")} if self.measured else dumped
 
     @cached_property
     def stroke(self) -> Travel:
-        """What reverses when the wing does: plunge, surge where there is no plunge, or the measured stroke."""
+        """The motion whose reversal marks the wing's: plunge, surge without plunge, or the measured stroke."""
         return self.surge if _rests(self.plunge) and not _rests(self.surge) else self.plunge
 
     @property

@@ -1,4 +1,4 @@
-"""`[navier_stokes]`: settings of the grid about the section; what is left out follows from the Reynolds number."""
+"""`[navier_stokes]`: settings of the grid around the section. Defaults follow from the Reynolds number."""
 
 from pydantic import field_validator
 from pydantic.json_schema import SkipJsonSchema
@@ -6,15 +6,15 @@ from pydantic.json_schema import SkipJsonSchema
 from .schema import Section, key
 
 THINNEST = 0.02
-"""Thickness of a bending section, chords, below which its map does not converge."""
+"""Minimum thickness of a flexible section, in chords, for which the grid mapping converges."""
 
 
 class NavierStokes(Section):
-    """Two-dimensional Navier-Stokes flow on a grid that follows the section."""
+    """Two-dimensional Navier-Stokes flow on a grid that deforms with the section."""
 
     cells: int | SkipJsonSchema[None] = key(
         None,
-        text="cells around the section; left out: 128 to 384, by Reynolds number",
+        text="cells around the section; default: 128 to 384, depending on the Reynolds number",
         example=256,
         ge=64,
         le=1536,
@@ -22,7 +22,7 @@ class NavierStokes(Section):
     thickness: float | SkipJsonSchema[None] = key(
         None,
         unit="chords",
-        text="thickness of the ellipse that stands for the section; left out: 0.04",
+        text="thickness of the ellipse that represents the section; default: 0.04",
         example=0.02,
         ge=0.005,
         le=1,
@@ -30,7 +30,7 @@ class NavierStokes(Section):
     radius: float | SkipJsonSchema[None] = key(
         None,
         unit="chords",
-        text="outer radius of the grid; left out: 7.6, and 30 in a stream",
+        text="outer radius of the grid; default: 7.6, or 30 in a stream",
         example=7.6,
         ge=3,
         le=1e4,
@@ -38,7 +38,8 @@ class NavierStokes(Section):
     wall_spacing: float | SkipJsonSchema[None] = key(
         None,
         unit="chords",
-        text="thickness of the first row of cells at mid-chord; left out: 0.3 over the root of the Reynolds number",
+        text="thickness of the first row of cells at mid-chord; default: 0.3 over the square root of the Reynolds "
+        "number",
         example=0.006,
         gt=0,
         le=0.1,
@@ -49,12 +50,12 @@ class NavierStokes(Section):
     def _transformable(cls, value: int | None) -> int | None:
         if value is not None and not _transforms(value):
             near = min((n for n in range(64, 1537, 16) if _transforms(n)), key=lambda n: (abs(n - value), n))
-            raise ValueError(f"must be 16 times a product of twos and threes; the nearest is {near}")
+            raise ValueError(f"must be 16 times a product of twos and threes; the nearest such number is {near}")
         return value
 
 
 def _transforms(cells: int) -> bool:
-    """Whether there is a fast transform of rows of so many cells."""
+    """Whether a fast Fourier transform exists for this number of cells."""
     rest = cells // 16
     for factor in (2, 3):
         while rest and rest % factor == 0:

@@ -1,9 +1,11 @@
-"""`[output]`: what is kept."""
+"""`[output]`: the contents of the result file."""
 
 from .schema import Section, key
 
 
 class Output(Section):
-    """What the result file keeps."""
+    """Contents of the result file."""
 
-    every: int = key(1, text="steps between stored fields: shape, pressure, wake; series have them all", ge=1, le=10**6)
+    every: int = key(
+        1, text="steps between stored fields (shape, pressure, wake); series are stored at every step", ge=1, le=10**6
+    )

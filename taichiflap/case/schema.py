@@ -1,4 +1,4 @@
-"""How keys and sections of a case file are declared: every key with its meaning, its unit and its range."""
+"""Declaration of the keys and tables of a case file: each key with its description, unit and range."""
 
 from typing import Any
 
@@ -6,11 +6,12 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from pydantic_core import PydanticCustomError
 
 LEAST = 1e-30
-"""Numbers that are smaller, and not zero, are slips: products and quotients of them leave the range of arithmetic."""
+"""Smaller non-zero values are rejected as input errors, since their products and quotients would underflow or overflow.
+"""
 
 
 def _without_nothing(schema: dict[str, Any]) -> None:
-    """In the JSON schema an optional key has no default rather than null, which TOML cannot say."""
+    """Omit null defaults from the JSON schema, since TOML has no null."""
     for entry in schema.get("properties", {}).values():
         if "default" in entry and entry["default"] is None:
             del entry["default"]
@@ -27,42 +28,42 @@ class Section(BaseModel):
     @classmethod
     def _of_some_size(cls, value: Any) -> Any:
         if not all(text.isprintable() for text in ([value] if isinstance(value, str) else _names(value))):
-            raise ValueError("must be one line of characters that can be printed")
+            raise ValueError("must be one line of printable characters")
         tiny = _tiny(value)
         if tiny:
-            raise ValueError(f"{tiny:g} is next to nothing; give 0 or more than {LEAST:g}")
+            raise ValueError(f"{tiny:g} is too small; give 0 or a value above {LEAST:g}")
         return value
 
 
 def _names(value: Any) -> list[str]:
-    """The names that a table of the user's own has."""
+    """Names in a table of user-defined parameters."""
     return [name for name in value if isinstance(name, str)] if isinstance(value, dict) else []
 
 
 def _tiny(value: Any) -> float:
-    """A number in a value that is too small; zero if there is none."""
+    """A number in a value that is too small; zero if all are valid."""
     if isinstance(value, tuple):
         return next(filter(None, map(_tiny, value)), 0.0)
     return value if isinstance(value, float) and 0.0 < abs(value) < LEAST else 0.0
 
 
 def key(default: Any = ..., *, unit: str = "", text: str, example: Any = None, **limits: Any) -> Any:
-    """A key of the case file with its meaning, its unit and its allowed range."""
+    """A key of the case file with its description, unit and allowed range."""
     example = default if example is None else example
     extra: dict[str, Any] = {"unit": unit} if unit else {}
     return Field(default, description=text, examples=[example], json_schema_extra=extra, **limits)
 
 
 def section(model: type[BaseModel]) -> Any:
-    """A section that may be left out."""
+    """An optional table."""
     return Field(default_factory=model, description=(model.__doc__ or "").strip().rstrip("."))
 
 
 def as_tuple(value: Any) -> Any:
-    """A file's list as the tuple that an immutable section holds."""
+    """Convert a list from the file to a tuple, since tables are immutable."""
     return tuple(value) if isinstance(value, list) else value
 
 
 def needed(name: str, why: str) -> PydanticCustomError:
-    """What a section's validator raises for a key that has to be there because of others."""
+    """Error that a table's validator raises for a key that other keys require."""
     return PydanticCustomError("needed", "{name} is missing: {why}", {"name": name, "why": why})

@@ -1,11 +1,11 @@
-"""`solver`: the fluid model of a case, one of this package's or a module from elsewhere."""
+"""`solver`: the fluid model of a case, built in or from a module of your own."""
 
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag
 
 ELSEWHERE = "module:"
-"""How the name of a model that is not part of this package begins."""
+"""Prefix of the name of an external model."""
 
 
 def _whose(value: object) -> str:
@@ -22,7 +22,7 @@ Solver = Annotated[
 
 
 def model_name(solver: str) -> str:
-    """What a model is called in headings: `UVLM`, `Navier-Stokes`, or the last word of its module's name."""
+    """Display name of a model: `UVLM`, `Navier-Stokes`, or the last word of its module's name."""
     if solver == "navier_stokes":
         return "Navier-Stokes"
     return solver.removeprefix(ELSEWHERE).rpartition(".")[2].upper()

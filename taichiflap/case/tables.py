@@ -1,4 +1,4 @@
-"""Tables of motion: a smooth curve through points, or near them, and what the points have to cover."""
+"""Tables of motion: a smooth curve through or near given points, and checks of the points' range."""
 
 import itertools
 import math
@@ -12,38 +12,41 @@ from .travel import AnglePoints, LengthPoints, Travel
 
 FEWEST = 4
 SEAM = 0.1
-"""A last point that is this share of the usual spacing from the end of the period is the first one again."""
+"""Share of the spacing within which a last point at the end of the period counts as the first one repeated."""
 ENDS = 1e-3
-"""Ends of a period that differ by this share of the range of its values are one value, written with few digits."""
+"""Share of the range of values within which both ends of a period count as equal (rounded) values."""
 LEAST_SHARE = 0.45
-"""A periodic table that covers less of the period is not in the unit of time that it is taken for."""
+"""Minimum share of the period that a periodic table covers; less suggests a different unit of time."""
 Points = tuple[tuple[float, float], ...]
 
-POINTS = "points [time, value] to pass through; times in s, or in periods if periodic, unless time says otherwise"
-SMOOTH_ERROR = "root mean square error allowed of a curve of as few harmonics as possible, in the place of smooth"
+POINTS = "points [time, value] to pass through; times in periods if periodic, else in s, or in the unit given by time"
+SMOOTH_ERROR = "allowed root-mean-square error of a fit with as few harmonics as possible; replaces smooth"
 
 
 class Table(Travel):
-    """A curve through points."""
+    """A smooth curve through points."""
 
-    kind: Literal["table"] = key(text="kind: a smooth curve through points", example="table")
+    kind: Literal["table"] = key(text="kind: smooth curve through points", example="table")
     periodic: bool = key(
-        False, text="whether it repeats; its times are then fractions of the period, unless time is given"
+        False, text="whether the motion is periodic; times are then fractions of the period, unless time is given"
     )
     time: Literal["s", "ms", "periods"] | None = key(
-        None, text="unit of its times; else periods if it is periodic, and s if not", example="s"
+        None, text="unit of the times; default: periods if periodic, else s", example="s"
     )
     smooth: int | None = key(
-        None, text="harmonics kept of a periodic table of noisy points, which it then only comes near", example=8, ge=1
+        None,
+        text="number of harmonics of a fit to noisy periodic points; the curve then passes near the points",
+        example=8,
+        ge=1,
     )
     file: str | None = key(
-        None, text="text or CSV file of points, named from the case file's folder", example="stroke.csv"
+        None, text="text or CSV file of points, relative to the case file's folder", example="stroke.csv"
     )
     column: int | str | None = key(
-        None, text="number or name of the column of its values; else the one after the time", example=2
+        None, text="number or name of the value column; default: the one after the time", example=2
     )
     time_column: int | str | None = key(
-        None, text="number or name of the column of its times; else one called t or time, or the first", example="time"
+        None, text="number or name of the time column; default: the one called t or time, or the first", example="time"
     )
 
     @property
@@ -52,20 +55,20 @@ class Table(Travel):
 
     @property
     def given(self) -> Points:
-        """Its points as the file has them."""
+        """Points as given in the file."""
         raise NotImplementedError
 
     @property
     def clock(self) -> str:
-        """What its times are counted in."""
+        """Unit of its times."""
         return self.time or ("periods" if self.periodic else "s")
 
     def period(self, frequency: float | None) -> float:
-        """A period (of `frequency`, Hz) in the unit of its times."""
+        """Period of `frequency` (Hz) in the unit of its times."""
         return period(self.clock, frequency)
 
     def _in_time(self, points: Points, frequency: float | None) -> Points:
-        """Points with times in s, or in periods if it is periodic, without a last one that is the first again."""
+        """Points with times in periods if periodic, else in s, without a repeated first point at the end."""
         if self.periodic:
             length = self.period(frequency)
             points = points[:-1] if _closes(points, length) else points
@@ -77,22 +80,22 @@ class Table(Travel):
     def _passable(self) -> "Table":
         points = self.given
         if len(points) < FEWEST:
-            raise ValueError(f"has {len(points)} points; give at least {FEWEST}, here or in a file")
+            raise ValueError(f"has {len(points)} points; give at least {FEWEST}, in the case or in a file")
         for (early, _), (late, _) in itertools.pairwise(points):
             if late <= early:
-                raise ValueError(f"times must rise, and {late:g} comes after {early:g}")
+                raise ValueError(f"times must increase, but {late:g} follows {early:g}")
         if self.smoothed and not self.periodic:
-            raise ValueError("smooth and smooth_error are for a table that is periodic; smooth its points first")
+            raise ValueError("smooth and smooth_error need a periodic table; smooth these points beforehand")
         if self.smooth and self.tolerance:
-            raise ValueError("give smooth or smooth_error, not both")
+            raise ValueError("give either smooth or smooth_error")
         most = (len(points) - 1) // 2
         if self.smooth and self.smooth > most:
-            raise ValueError(f"smooth = {self.smooth}: {len(points)} points tell of at most {most} harmonics")
+            raise ValueError(f"smooth = {self.smooth}: {len(points)} points resolve at most {most} harmonics")
         return self
 
     @property
     def tolerance(self) -> float | None:
-        """Root mean square of the distance, m or rad, that a smoothed curve may have from its points."""
+        """Allowed root-mean-square distance (m or rad) of a smoothed curve from its points."""
         raise NotImplementedError
 
     def _arguments(self, points: Points) -> dict[str, Any]:
@@ -100,11 +103,11 @@ class Table(Travel):
 
     @property
     def smoothed(self) -> bool:
-        """Whether its curve comes near its points only."""
+        """Whether the curve is a smoothing fit."""
         return bool(self.smooth or self.tolerance)
 
     def problem(self, frequency: float | None, duration: float) -> str:
-        """Why its points cannot be followed for `duration` (s), in words; empty when they can.
+        """Why its points do not cover `duration` (s); empty if they do.
 
         Args:
             frequency: Hz.
@@ -120,8 +123,8 @@ class Table(Travel):
         span, usual = last - first, spacing(times)
         if span - length > SEAM * usual or span + usual < LEAST_SHARE * length:
             return (
-                f"its times are {COUNTS[self.clock]}, and they go from {first:g} to {last:g}: "
-                f"{span / length:.3g} periods in the place of about one{looks_like(times, self.clock, frequency)}"
+                f"its times are {COUNTS[self.clock]}, from {first:g} to {last:g}: {span / length:.3g} periods "
+                f"instead of about one{looks_like(times, self.clock, frequency)}"
             )
         (_, begin), (_, end) = points[0], points[-1]
         if _closes(points, length) and not self.smoothed:
@@ -129,8 +132,8 @@ class Table(Travel):
             slope = max(abs((v - u) / (t - s)) for (s, u), (t, v) in itertools.pairwise(points))
             if abs(end - begin) > ENDS * (max(values) - min(values)) + 2.0 * slope * abs(span - length):
                 return (
-                    f"is periodic and begins with {begin:g}, but ends with {end:g}; "
-                    "make them equal, or smooth the points: smooth = 8"
+                    f"is periodic but begins with {begin:g} and ends with {end:g}; make them equal, or smooth the "
+                    "points: smooth = 8"
                 )
         return ""
 
@@ -139,18 +142,18 @@ class Table(Travel):
         first, last = points[0][0], points[-1][0]
         if first > 0.0 or last < duration * (1.0 - 1e-9):
             return (
-                f"its points go from {first:g} to {last:g} s, the case from 0 to {duration:g} s; "
-                "give more points, or make it periodic"
+                f"its points cover {first:g} to {last:g} s but the case runs from 0 to {duration:g} s; give more "
+                "points, or make it periodic"
             )
         return ""
 
 
 class TablePlunge(Table):
-    """Measured plunge: a cubic spline through points given here or in a file."""
+    """Tabulated plunge: a cubic spline through points in the case or in a file."""
 
     points: LengthPoints = key((), unit="m", text=POINTS, example=[[0.0, 0.0], [0.1, 0.01]])
     unit: Literal["m", "cm", "mm"] | None = key(
-        None, text="unit of its column; else what the column's name says, or m", example="mm"
+        None, text="unit of the value column; default: from the column name, or m", example="mm"
     )
     smooth_error: float | None = key(None, unit="m", text=SMOOTH_ERROR, example=1e-4, gt=0, le=100)
 
@@ -167,11 +170,11 @@ class TablePlunge(Table):
 
 
 class TablePitch(Table):
-    """Measured pitch: a cubic spline through points given here or in a file."""
+    """Tabulated pitch: a cubic spline through points in the case or in a file."""
 
     points_deg: AnglePoints = key((), unit="deg", text=POINTS, example=[[0.0, 0.0], [0.1, 20.0]])
     unit: Literal["deg", "rad"] | None = key(
-        None, text="unit of its column; else what the column's name says, or deg", example="rad"
+        None, text="unit of the value column; default: from the column name, or deg", example="rad"
     )
     smooth_error_deg: float | None = key(None, unit="deg", text=SMOOTH_ERROR, example=0.5, gt=0, le=360)
 
@@ -189,5 +192,5 @@ class TablePitch(Table):
 
 
 def _closes(points: Points, length: float) -> bool:
-    """Whether the last point is the first again, a period later."""
+    """Whether the last point repeats the first, one period later."""
     return points[-1][0] - points[0][0] > length - SEAM * spacing([time for time, _ in points])

@@ -1,4 +1,4 @@
-"""Points of a tabulated motion, from a text or CSV file into the case, so that a case needs no file beside it."""
+"""Tabulated motion: points are read from a text or CSV file into the case, which then needs no other file."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -9,38 +9,38 @@ from typing import Any
 from .columns import Column, ColumnsError, bare, column, plain, read_columns
 
 POINTS = {"plunge": "points", "pitch": "points_deg", "surge": "points"}
-"""The key of each motion's points."""
+"""Key that holds each motion's points."""
 OF_FILE = ("file", "column", "time_column", "unit")
-"""Keys of a table that say how its points are read; a case that has been read holds the points in their place."""
+"""Keys that describe how a table is read from a file. After reading, the case holds the points instead."""
 OF_ANGLES = ("file", "time_column", "stroke", "deviation", "rotation", "unit")
-"""The same of measured angles."""
+"""The same keys for measured angles."""
 CALLED = {
     "stroke": ("stroke", "positional", "position", "phi", "φ", "ϕ", "sweep", "flap", "flapping"),
     "deviation": ("deviation", "elevation", "theta", "θ", "ϑ", "dev"),
     "rotation": ("rotation", "pitch", "alpha", "α", "feathering", "psi", "ψ", "attack", "aoa", "rot"),
 }
-"""What the columns of angles are called."""
+"""Recognised names of the columns of angles."""
 TIMES = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "ms": "ms", "msec": "ms", "milliseconds": "ms"}
 TIMES |= dict.fromkeys(("-", "t/t", "period", "periods", "beat", "beats", "cycle", "cycles"), "periods")
 LENGTHS = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0}
 ANGLES |= dict.fromkeys(("rad", "radian", "radians"), math.degrees(1.0))
 FOREIGN = ("us", "µs", "min", "µm", "um", "nm", "in", "inch", "ft", "%", "frame", "frames", "rev", "turns")
-"""Units that are known, and not read."""
+"""Units that are recognised but not supported."""
 CALLED_TIME = ("t", "time", "times", "t/t", "zeit", "temps", "tiempo", "tempo")
 
 
 class PointsError(ValueError):
-    """A file of points that cannot be used: one sentence with the key and the file."""
+    """Raised for a table file that cannot be used; one sentence with the key and the file."""
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the tables of a case were read from, so that a changed column or file is read again.
+    """Files of a case's motion tables, so that they are read again when a key changes.
 
     Attributes:
-        folder: where a relative name begins; None for a case out of a result or a map, which opens no file.
-        tables: for each motion that names a file, its keys `OF_FILE`.
+        folder: folder of relative names; None for a case from a result or map, which opens no file.
+        tables: keys `OF_FILE` of each motion that names a file.
     """
 
     folder: Path | None = None
@@ -48,13 +48,13 @@ class Origin:
 
 
 def with_points(document: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], Origin]:
-    """The document with the points of every table that names a `file` in the place of that name, and their origin.
+    """The document with each motion's `file` replaced by its points, and the origin of the points.
 
     Args:
-        folder: where a relative name begins.
+        folder: folder of relative names.
 
     Raises:
-        PointsError: when a file is missing or holds something else.
+        PointsError: if a file is missing or invalid.
     """
     motion = document.get("motion")
     if not isinstance(motion, Mapping):
@@ -69,11 +69,13 @@ def with_points(document: Mapping[str, Any], folder: Path) -> tuple[dict[str, An
         if not isinstance(table.get("file"), str):
             lonely = next((k for k in given if k != "file"), None)
             if lonely:
-                raise PointsError(f'motion.{name}.{lonely} = {_shown(given[lonely])}: of what file? give file = "..."')
+                raise PointsError(
+                    f'motion.{name}.{lonely} = {_shown(given[lonely])}: no file is named; give file = "..."'
+                )
             continue
         rest = {k: v for k, v in table.items() if k not in of_file(name)}
         if key in rest:
-            raise PointsError(f"motion.{name}: has both {key} and a file; give one")
+            raise PointsError(f"motion.{name}: has both {key} and file; give one of them")
         file = given["file"]
         try:
             if file not in sheets:
@@ -86,10 +88,10 @@ def with_points(document: Mapping[str, Any], folder: Path) -> tuple[dict[str, An
 
 
 def reopened(motion: dict[str, Any], keys: Collection[str], origin: Origin) -> dict[str, Any]:
-    """A motion whose points are to be read from their file again where one of the dotted `keys` says how they are read.
+    """A motion whose points are read from their file again if one of the dotted `keys` changes how they are read.
 
     Args:
-        motion: `[motion]` as a dictionary, with its points.
+        motion: the table `[motion]` as a dictionary, including points.
     """
     opened = dict(motion)
     for name, given in origin.tables.items():
@@ -100,15 +102,15 @@ def reopened(motion: dict[str, Any], keys: Collection[str], origin: Origin) -> d
 
 
 def of_file(name: str) -> tuple[str, ...]:
-    """The keys that say how a motion, or the measured angles, are read from a file."""
+    """Keys that describe how a motion or the measured angles are read from a file."""
     return OF_ANGLES if name == "measured" else OF_FILE
 
 
 def read_points(path: Path, which: int | str, unit: str | None = None) -> list[list[float]]:
-    """Rows `[time, value]` of a file of plunge, m, from the column of the time and another.
+    """Rows `[time, value]` of a plunge file, in m, from its time column and another column.
 
     Raises:
-        ColumnsError: when the file cannot be read, or has no such column.
+        ColumnsError: if the file cannot be read or has no such column.
     """
     given = {"column": which} | ({"unit": unit} if unit else {})
     found: list[list[float]] = _points("plunge", given, read_columns(path))["points"]
@@ -116,7 +118,7 @@ def read_points(path: Path, which: int | str, unit: str | None = None) -> list[l
 
 
 def _points(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[str, Any]:
-    """The points of a motion, and the unit of their times where the file gives one."""
+    """Points of a motion, and the unit of their times if the file states one."""
     times = _time_column(table, columns)
     values = _value_column(name, table, columns, times)
     scales = ANGLES if name == "pitch" else LENGTHS
@@ -126,12 +128,12 @@ def _points(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[
     }
     usual = "periods" if table.get("periodic") is True else "s"
     unit = _clock(times) if "time" not in table else ""
-    # A share of a beat, "-", is no unit of what does not repeat.
+    # "-" (fraction of a beat) is not a unit for a non-periodic motion.
     return found | ({"time": unit} if unit not in ("", usual, "periods") else {})
 
 
 def _angles(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[str, Any]:
-    """Measured angles, and the unit of their times where the file gives one."""
+    """Measured angles, and the unit of their times if the file states one."""
     times = _time_column(table, columns)
     chosen = _angle_columns(table, columns, times)
     found = [times.numbers()]
@@ -143,7 +145,7 @@ def _angles(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[
 
 
 def _angle_columns(table: Mapping[str, Any], columns: list[Column], times: Column) -> list[Column | None]:
-    """The columns of stroke, deviation (None where there is none) and rotation."""
+    """The columns of stroke, deviation (None if absent) and rotation."""
     others = [one for one in columns if one is not times]
     named = {angle: [one for one in others if bare(one.name) in CALLED[angle]] for angle in CALLED}
     order = dict(zip(CALLED if len(others) == len(CALLED) else ("stroke", "rotation"), others, strict=False))
@@ -158,11 +160,13 @@ def _angle_columns(table: Mapping[str, Any], columns: list[Column], times: Colum
             found[angle] = order.get(angle)
         if found[angle] is None and angle != "deviation":
             names = ", ".join(f"{one.number}: {one.name}" if one.name else str(one.number) for one in columns)
-            raise ColumnsError(f"which column is {angle}? Its columns are {names}; give {angle} = a number or name")
+            raise ColumnsError(
+                f"cannot tell which column is {angle}; its columns are {names}; give {angle} = a number or name"
+            )
     chosen = [one.number for one in found.values() if one]
     if len({times.number, *chosen}) <= len(chosen):
         raise ColumnsError(
-            "one column serves twice: time "
+            "the same column is used twice: time "
             + ", ".join([str(times.number), *(f"{angle} {one.number}" for angle, one in found.items() if one)])
             + "; give the number or name of each"
         )
@@ -170,9 +174,9 @@ def _angle_columns(table: Mapping[str, Any], columns: list[Column], times: Colum
 
 
 def _clock(times: Column) -> str:
-    """The unit of the times that the file gives, or nothing."""
+    """Unit of the times if the file states one, else None."""
     if plain(times.unit) in FOREIGN:
-        raise ColumnsError(f"{times} has its times in {times.unit}; give them in s, ms or periods")
+        raise ColumnsError(f"{times} has times in {times.unit}; give them in s, ms or periods")
     return TIMES.get(plain(times.unit) or plain(times.name), "")
 
 
@@ -189,13 +193,13 @@ def _value_column(name: str, table: Mapping[str, Any], columns: list[Column], ti
     if given is not None:
         found = column(columns, _whole("column", given))
         if found is times:
-            raise ColumnsError(f"{found} is the time; give the column of the {name}")
+            raise ColumnsError(f"{found} is the time; give the {name} column")
         return found
     others = [one for one in columns if one.number > times.number] or [one for one in columns if one is not times]
     if not others:
-        raise ColumnsError(f"line {times.cells[0][0]} has no column 2: it has 1")
+        raise ColumnsError(f"line {times.cells[0][0]} has only one column; two are needed")
     if bare(others[0].name) in POINTS and bare(others[0].name) != name:
-        raise ColumnsError(f"{others[0]} is not the {name}; say which one is, by its number or name: column = ...")
+        raise ColumnsError(f"{others[0]} is not the {name}; give the {name} column by number or name: column = ...")
     return others[0]
 
 
@@ -209,7 +213,8 @@ def _unit(values: Column, given: Any, scales: Mapping[str, float], kind: str) ->
         return unit
     if unit in ANGLES or unit in LENGTHS or unit in FOREIGN:
         raise ColumnsError(
-            f"{values} is in {values.unit}, which is not {kind} that is read; give another column, or convert it to "
+            f"{values} is in {values.unit}, which is not {kind} in a supported unit; give another column, or convert "
+            "it to "
             f"{' or '.join(_usual(scales))} and say so by unit"
         )
     return "deg" if "deg" in scales else "m"
@@ -220,7 +225,7 @@ def _usual(scales: Mapping[str, float]) -> list[str]:
 
 
 def _whole(key: str, given: Any) -> int | str:
-    """A column's number or name, as the case file may give it."""
+    """A column's number or name as given in the case file."""
     if isinstance(given, str) and given.strip():
         return given.strip()
     if isinstance(given, int) and not isinstance(given, bool) and given >= 1:

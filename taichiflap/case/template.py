@@ -1,4 +1,4 @@
-"""A commented case file to start from, written from the models of `taichiflap.case` so that it is never stale."""
+"""A commented template of a case file, generated from the models of `taichiflap.case`."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, get_args
@@ -22,14 +22,14 @@ EXAMPLE: dict[str, Any] = {
     "motion.pitch": {"amplitude_deg": 15.0, "phase_deg": 0.0, "mean_deg": 0.0},
     "motion.surge": {"amplitude": 0.0, "phase_deg": 0.0},
 }
-"""Where the default is nothing to start from: a hawkmoth's wing and stroke. Other optional keys become comments."""
+"""Values for keys without a useful default: a hawkmoth's wing and stroke. Other optional keys become comments."""
 
 
 def commented_case() -> str:
-    """Text of a valid case file with every key, its meaning, unit and default."""
+    """Text of a valid case file with each key's description, unit and default."""
     lines = [
         "# A taichiflap case. SI units; angles in degrees where the key ends in _deg.",
-        "# Keys without a default must be given; the others may be left out.",
+        '# Keys marked "must be given" are required; all others are optional.',
         *_keys(Case, ""),
     ]
     return "\n".join(lines) + "\n"
@@ -57,7 +57,7 @@ def _keys(model: type[BaseModel], prefix: str, left_out: str = "") -> Iterator[s
 
 
 def _kinds(key: str, path: str, models: list[type[BaseModel]]) -> Iterator[str]:
-    """A section of several kinds: the first, and the others as comments."""
+    """A table with several kinds: the first, and the others as comments."""
     yield f"{key} = {_toml(EXAMPLE[path])}"
     for model in models[1:]:
         table = {

@@ -1,4 +1,4 @@
-"""`[time]`: how long and in which steps: counted in periods, or in seconds."""
+"""`[time]`: duration and time step, in periods or in seconds."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -26,17 +26,15 @@ Step = Annotated[
 
 
 class Time(Section):
-    """Duration and step: periods and steps_per_period, or duration and step.
+    """Duration and time step: periods and steps_per_period, or duration and step.
 
-    "auto" is the step in which the trailing edge travels the length of a panel through the fluid.
+    With "auto" the trailing edge travels one panel length through the fluid per step.
     """
 
-    periods: int | None = key(15, text="flapping periods", ge=1, le=100_000)
-    steps_per_period: StepsPerPeriod | None = key(200, text='time steps a period, or "auto"')
-    duration: float | None = key(
-        None, unit="s", text="in the place of periods, for a motion that does not repeat", example=1.0, gt=0, le=1e6
-    )
-    step: Step | None = key(None, unit="s", text='in the place of steps_per_period, or "auto"', example=1e-3)
+    periods: int | None = key(15, text="number of flapping periods", ge=1, le=100_000)
+    steps_per_period: StepsPerPeriod | None = key(200, text='time steps per period, or "auto"')
+    duration: float | None = key(None, unit="s", text="duration of a non-periodic motion", example=1.0, gt=0, le=1e6)
+    step: Step | None = key(None, unit="s", text='time step of a non-periodic motion, or "auto"', example=1e-3)
 
     @model_validator(mode="before")
     @classmethod
@@ -44,14 +42,12 @@ class Time(Section):
         if not isinstance(given, Mapping) or not any(name in given for name in IN_SECONDS):
             return given
         if any(given.get(name) is not None for name in IN_PERIODS):
-            raise ValueError(
-                "counts in periods and in seconds; give periods and steps_per_period, or duration and step"
-            )
+            raise ValueError("mixes periods and seconds; give periods and steps_per_period, or duration and step")
         return dict.fromkeys(IN_PERIODS) | dict(given)
 
     @model_validator(mode="after")
     def _whole(self) -> "Time":
         for name in IN_SECONDS if self.periods is None else IN_PERIODS:
             if getattr(self, name) is None:
-                raise needed(name, "a duration needs a step, and a step a duration")
+                raise needed(name, "duration and step must be given together")
         return self

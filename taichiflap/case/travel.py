@@ -1,4 +1,4 @@
-"""What every kind of plunge, pitch and surge has in common, and the lists of numbers that they hold."""
+"""Base of every kind of plunge, pitch and surge, and their lists of numbers."""
 
 import math
 from typing import Annotated, Any
@@ -12,12 +12,12 @@ MOST_HARMONICS = 100
 
 def _terms(value: Any) -> Any:
     if isinstance(value, list) and len(value) > MOST_HARMONICS:
-        raise ValueError(f"has {len(value):,} terms; at most {MOST_HARMONICS}, or a table of points")
+        raise ValueError(f"has {len(value):,} terms; give at most {MOST_HARMONICS}, or a table of points")
     return rows(value)
 
 
 def rows(value: Any) -> Any:
-    """A file's list of lists as the tuples that an immutable section holds."""
+    """Convert a list of lists from the file to tuples, since tables are immutable."""
     return tuple(as_tuple(row) for row in value) if isinstance(value, list) else value
 
 
@@ -31,21 +31,21 @@ AngleHarmonics = Annotated[tuple[tuple[_Order, Angle, _Phase], ...], BeforeValid
 LengthPoints = Annotated[tuple[tuple[Moment, _Length], ...], BeforeValidator(rows)]
 AnglePoints = Annotated[tuple[tuple[Moment, Angle], ...], BeforeValidator(rows)]
 
-HARMONICS = "more terms, each [n, amplitude, phase_deg] of sin(2 pi n frequency t + phase)"
+HARMONICS = "additional terms [n, amplitude, phase_deg] of sin(2 pi n frequency t + phase)"
 
 
 class Travel(Section):
-    """How plunge, pitch or surge goes with time."""
+    """Plunge, pitch or surge as a function of time."""
 
     kind: str
 
     @property
     def repeats(self) -> bool:
-        """Whether it has a period, so that it needs a frequency."""
+        """Whether it is periodic and needs a frequency."""
         return True
 
     def in_si(self, frequency: float | None = None) -> dict[str, Any]:
-        """The keys in metres and radians, without their `_deg`: the arguments of this kind's formula.
+        """Keys in metres and radians, without `_deg`: the arguments of this kind's formula.
 
         Args:
             frequency: Hz, of the motion.

@@ -19,84 +19,93 @@ WakeLength = Annotated[
 
 
 SHEDDING = {"panels": 40, "wake": 1000, "merge_error": 1e-4, "crossing": "pass", "core": 0.05, "core_growth": 0.3}
-"""Defaults of `leading_edge = "sheds"` where they differ."""
+"""Defaults that differ with `leading_edge = "sheds"`."""
 LEAST_WAKE = 10
-"""Vortices that a wake of two sheets has room for, at least."""
+"""Minimum length of a wake with two sheets."""
 
 
 class Uvlm(Section):
     """Unsteady vortex lattice on the deformed camber line, with a free wake.
 
-    With leading_edge = "sheds", what is left out is panels = 40, wake = 1000, merge_error = 1e-4, crossing = "pass",
-    core = 0.05 and core_growth = 0.3.
+    With leading_edge = "sheds" the defaults are panels = 40, wake = 1000, merge_error = 1e-4, crossing = "pass", core =
+    0.05 and core_growth = 0.3.
     """
 
     panels: int = key(20, text="panels along the chord", ge=1, le=1000)
     spacing: Literal["cosine", "uniform"] = key(
-        "cosine", text="panels: finer towards both edges, on the camber line itself; or equal and straight"
+        "cosine", text="panels: finer towards both edges, on the camber line (cosine); or equal and straight (uniform)"
     )
     loads: Literal["vortices", "panels"] = key(
-        "vortices", text="pressure steps at the bound vortices, or counts whole panels as the paper's Eqs 33-34 do"
+        "vortices",
+        text="pressure changes at the bound vortices, or is uniform over each panel as in the paper's Eqs 33-34",
     )
     leading_edge: Literal["attached", "sheds"] = key(
         "attached",
-        text="the flow stays attached at the leading edge, or leaves it as a second sheet of vortices wherever the "
-        "suction there would pass its limit",
+        text="flow at the leading edge: attached, or shedding a second vortex sheet whenever the suction would exceed "
+        "suction_limit",
     )
     suction: bool = key(
-        False, text="include the suction at an attached leading edge; one that sheds always has what its limit leaves"
+        False, text="include leading-edge suction in attached flow; an edge that sheds always has its limited suction"
     )
     suction_limit: float = key(
-        0.1, text="largest suction velocity at an edge that sheds, as a share of reference_speed; 0: it always sheds",
+        0.1, text="maximum suction velocity at an edge that sheds, as a share of reference_speed; 0: always sheds",
         ge=0, le=1e9,
     )  # fmt: skip
     reference_speed: float | None = key(
         None, unit="m/s", gt=0, le=1e6, example=1.0,
-        text="for suction_limit and merge_error; if left out, the root mean square of the rigid leading edge's speed "
-        "relative to the stream",
+        text="reference speed of suction_limit and merge_error; default: root-mean-square speed of the rigid leading "
+            "edge relative to the stream",
     )  # fmt: skip
-    wake: WakeLength = key("all", text='wake vortices kept, or "all"')
+    wake: WakeLength = key("all", text='number of wake vortices kept, or "all"')
     old_wake: Literal["absorb", "drop"] = key(
-        "absorb", text="a full wake merges vortices, keeping circulation and impulse, or drops the oldest"
+        "absorb", text="a full wake merges vortices, conserving circulation and impulse (absorb), or drops the oldest"
     )
     absorb_beyond: float = key(
-        3.0, unit="chords", text="vortices nearer to the wing's middle than this are absorbed last", ge=0, le=1e6
+        3.0, unit="chords", text="vortices closer than this to mid-chord are absorbed last", ge=0, le=1e6
     )
     merge_error: float = key(
         0.0,
-        text="change of the velocity at the wing, as a share of reference_speed, that merging two neighbours of a "
-        "sheet may cost; 0: none are merged",
+        text="allowed change of the velocity at the wing, as a share of reference_speed, when two neighbouring "
+        "vortices merge; 0: no merging",
         ge=0,
         le=0.1,
     )
     crossing: Literal["reflect", "pass"] = key(
-        "reflect", text="a wake vortex that would cross the wing is kept on its side, or passes; counted either way"
+        "reflect",
+        text="a wake vortex that would cross the wing is kept on its side (reflect), or passes; both are counted",
     )
     shedding: Literal["local", "fixed"] = key(
         "local",
-        text="new vortex on the trailing edge's path relative to the flow (0.30 of a step, 0.25 with uniform panels), "
-        "or at a fixed distance",
+        text="position of a new vortex: on the trailing edge's path relative to the flow (0.30 of a step; 0.25 with "
+        "uniform panels), or at a fixed distance",
     )
     shedding_distance: float = key(
-        0.05, unit="chords", text='distance behind the trailing edge, for shedding = "fixed"', gt=0, le=10
+        0.05,
+        unit="chords",
+        text='distance of a new vortex behind the trailing edge with shedding = "fixed"',
+        gt=0,
+        le=10,
     )
     convection: Literal["second_order", "euler"] = key(
-        "second_order", text="how the wake moves: Adams-Bashforth of second order, or Euler's steps"
+        "second_order", text="convection of the wake: second-order Adams-Bashforth, or Euler"
     )
     core: float = key(
-        0.02, unit="chords", text="Krasny core of a wake vortex; the squares of a pair's cores add up", ge=0, le=1
+        0.02, unit="chords", text="Krasny core radius of a wake vortex; the squared cores of a pair add up", ge=0, le=1
     )
     core_growth: float = key(
-        0.1, text="growth of a new vortex's core over the way it moves, until it is full; 0: full at once", ge=0, le=100
+        0.1,
+        text="growth of a new vortex's core per distance travelled, until it is full; 0: full at once",
+        ge=0,
+        le=100,
     )
     precision: Literal["double", "single"] = key(
         "double",
-        text="of the sums over pairs of wake vortices: single is quicker, and good to about five digits",
+        text="precision of the sums over pairs of wake vortices; single is faster and accurate to about five digits",
     )
     far_error: float = key(
         0.0,
-        text="error allowed in the velocity of a wake vortex, as a share of the trailing edge's typical speed, for the "
-        "sake of speed in long wakes; 0: every pair of vortices is summed",
+        text="allowed error in the velocity of a wake vortex, as a share of the trailing edge's typical speed; speeds "
+        "up long wakes; 0: sums every pair",
         ge=0,
         le=0.1,
     )
@@ -104,7 +113,7 @@ class Uvlm(Section):
     @model_validator(mode="wrap")
     @classmethod
     def _of_an_edge_that_sheds(cls, given: Any, check: ModelWrapValidatorHandler[Self]) -> Self:
-        """Fill in what is not given with the defaults of an edge that sheds; they do not count as given."""
+        """Fill in the defaults of an edge that sheds. They do not count as given keys."""
         if not isinstance(given, Mapping) or given.get("leading_edge") != "sheds":
             return check(given)
         made = check(SHEDDING | dict(given))
@@ -116,19 +125,20 @@ class Uvlm(Section):
         if self.leading_edge != "sheds":
             return self
         if self.spacing == "uniform":
-            raise ValueError('a leading edge that sheds needs panels finer towards it; give spacing = "cosine"')
+            raise ValueError('a leading edge that sheds needs finer panels near it; give spacing = "cosine"')
         if self.loads == "panels":
             raise ValueError('a leading edge that sheds needs the pressure at the vortices; give loads = "vortices"')
         if self.suction:
             raise ValueError(
-                "suction is for an attached leading edge; one that sheds has the suction that suction_limit leaves"
+                "suction applies to an attached leading edge; leave it out, since suction_limit sets the suction of "
+                "an edge that sheds"
             )
         if isinstance(self.wake, int) and self.wake < LEAST_WAKE:
-            raise ValueError(f"wake = {self.wake}: two edges shed into it; give at least {LEAST_WAKE}")
+            raise ValueError(f"wake = {self.wake}: both edges shed into it; give at least {LEAST_WAKE}")
         return self
 
     @model_validator(mode="after")
     def _one_saving(self) -> "Uvlm":
         if self.far_error and self.precision == "single":
-            raise ValueError('far_error sums in double precision; give far_error = 0 or precision = "double"')
+            raise ValueError('far_error needs double precision; give far_error = 0 or precision = "double"')
         return self

@@ -30,7 +30,7 @@ _Station = Annotated[float, Field(ge=0, le=1, title="s")]
 
 @dataclass(frozen=True)
 class _UpTo:
-    """The range of an `AlongChord`: positive, and at the tip zero if it may end in nothing."""
+    """Check of an `AlongChord`: values are positive, or zero at the trailing edge where allowed."""
 
     most: float
     may_vanish: bool = False
@@ -49,14 +49,16 @@ class _UpTo:
 
     def _check(self, table: Table) -> Table:
         if len(table) < 2 or table[0][0] != 0.0 or table[-1][0] != 1.0:
-            raise ValueError("must begin at s = 0 and end at s = 1: give the values at the leading and trailing edge")
+            raise ValueError("must run from s = 0 to s = 1; give the values at the leading and trailing edge")
         for (before, _), (after, _) in pairwise(table):
             if after <= before:
-                raise ValueError(f"s must increase, but {after:g} follows {before:g}; for a jump take two s close by")
+                raise ValueError(
+                    f"s must increase, but {after:g} follows {before:g}; for a jump give two close values of s"
+                )
         must = table[:-1] if self.may_vanish else table
         if min(value for _, value in must) == 0.0:
             at = "but at the trailing edge" if self.may_vanish else "everywhere"
-            raise ValueError(f"must be > 0 {at}; for next to nothing give a small number")
+            raise ValueError(f"must be > 0 {at}; give a small number instead")
         return table
 
 
@@ -74,22 +76,26 @@ _MEASURED = ("mass_per_length", "flexural_rigidity")
 class Wing(Section):
     """The wing section, clamped at its leading edge; a number, or a table [[s, value], ...] over s = y/chord."""
 
-    chord: float = key(unit="m", text="chord, leading to trailing edge", example=0.02, gt=0, le=100)
-    span: Annotated[AlongChord, _UpTo(100, may_vanish=True)] = key(unit="m", text="span, out of the page", example=0.05)
-    modes: int = key(1, text="elastic modes kept; 0 is a rigid wing", ge=0, le=20)
-    damping_ratio: DampingRatio = key(0.05, text="damping ratio: one, or one per mode")
-    pivot: float = key(0.0, unit="chords", text="pivot's distance behind the leading edge; of rigid wings", ge=-5, le=5)
+    chord: float = key(unit="m", text="chord length", example=0.02, gt=0, le=100)
+    span: Annotated[AlongChord, _UpTo(100, may_vanish=True)] = key(
+        unit="m", text="span (normal to the section)", example=0.05
+    )
+    modes: int = key(1, text="number of elastic modes; 0 is a rigid wing", ge=0, le=20)
+    damping_ratio: DampingRatio = key(0.05, text="damping ratio: one value, or one per mode")
+    pivot: float = key(
+        0.0, unit="chords", text="distance of the pivot behind the leading edge; only for rigid wings", ge=-5, le=5
+    )
     mass_per_length: Annotated[AlongChord, _UpTo(1e5, may_vanish=True)] | SkipJsonSchema[None] = key(
         None,
         unit="kg/m",
-        text="of a measured wing: mass a metre of chord",
+        text="measured wing: mass per length of chord",
         example=2e-3,
         validate_default=True,
     )
     flexural_rigidity: Annotated[AlongChord, _UpTo(1e12, may_vanish=True)] | SkipJsonSchema[None] = key(
         None,
         unit="N m2",
-        text="of a measured wing: E I of the whole span",
+        text="measured wing: E I of the whole span",
         example=6.5e-6,
         validate_default=True,
     )
@@ -102,7 +108,7 @@ class Wing(Section):
     youngs_modulus: Annotated[AlongChord, _UpTo(1e13)] | SkipJsonSchema[None] = key(
         None, unit="Pa", text="Young's modulus", example=24.5e9, validate_default=True
     )
-    point_masses: PointMasses = key((), text="masses fixed to the section: s and kg of each", example=((0.5, 2e-6),))
+    point_masses: PointMasses = key((), text="point masses on the section: s and kg of each", example=((0.5, 2e-6),))
 
     @property
     def widest(self) -> float:
@@ -114,7 +120,7 @@ class Wing(Section):
     def _one_per_mode(cls, value: Any, info: ValidationInfo) -> Any:
         modes = info.data.get("modes")
         if isinstance(value, tuple) and modes is not None and len(value) < modes:
-            raise ValueError(f"too few for {modes} modes; give one number, or one per mode")
+            raise ValueError(f"too few values for {modes} modes; give one number, or one per mode")
         return value
 
     @field_validator("pivot")
@@ -131,7 +137,7 @@ class Wing(Section):
         if value is None and mass is not None and info.data.get("modes"):
             raise PydanticKnownError("missing")
         if value is not None and mass is None:
-            raise ValueError("needs mass_per_length beside it")
+            raise ValueError("needs mass_per_length as well")
         return value
 
     @field_validator("thickness", "density", "youngs_modulus")

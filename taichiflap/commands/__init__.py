@@ -1,1 +1,1 @@
-"""Commands of the command line, a module for each family. `taichiflap.cli` puts them together."""
+"""Commands of the command line, one module per group. `taichiflap.cli` assembles them."""

@@ -1,4 +1,4 @@
-"""How to cite taichiflap and the paper that it starts from; `CITATION.cff` says the same, and a test sees to it."""
+"""How to cite taichiflap and the paper it is based on. A test keeps `CITATION.cff` consistent."""
 
 from .._version import __version__
 

@@ -1,4 +1,4 @@
-"""Ctrl-C, or a request to end, during a command: it is never lost, and ends with a word of advice."""
+"""Ctrl-C and termination signals during a command: they are never lost, and advice is printed at the end."""
 
 import signal
 import sys
@@ -10,16 +10,16 @@ from typing import Any
 import typer
 
 ENDINGS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
-"""Signals of a batch system, of `kill` and of a terminal that closes: they end a command as Ctrl-C does."""
+"""Signals from a batch system, `kill` or a closing terminal; they end a command like Ctrl-C."""
 
 
 class Ended(KeyboardInterrupt):
-    """A signal other than Ctrl-C."""
+    """Raised for a signal other than Ctrl-C."""
 
 
 @contextmanager
 def interruptible(*advice: str) -> Iterator[None]:
-    """End with words of advice when interrupted, and with code 128 and the signal's number: 130 for Ctrl-C."""
+    """Print advice when interrupted, and exit with code 128 plus the signal's number (130 for Ctrl-C)."""
     code = 128 + signal.SIGINT
 
     def end(number: int, frame: Any) -> None:
@@ -31,7 +31,7 @@ def interruptible(*advice: str) -> Iterator[None]:
         with _handled(ENDINGS, signal.SIG_DFL, end):
             yield
     except KeyboardInterrupt:
-        # A terminal that has closed takes no words.
+        # A closed terminal cannot be written to.
         with suppress(OSError):
             print("\n".join(advice), file=sys.stderr, flush=True)
         raise typer.Exit(code) from None
@@ -39,7 +39,7 @@ def interruptible(*advice: str) -> Iterator[None]:
 
 @contextmanager
 def _handled(numbers: Sequence[int], standard: Any, handler: Callable[[int, Any], None]) -> Iterator[None]:
-    """Handle signals in a way of ours, but for those that somebody has arranged otherwise, as `nohup` does."""
+    """Handle signals with our own handler, except those handled elsewhere already, for example by `nohup`."""
     main = threading.current_thread() is threading.main_thread()
     ours = [number for number in numbers if main and signal.getsignal(number) is standard]
     for number in ours:
@@ -53,10 +53,10 @@ def _handled(numbers: Sequence[int], standard: Any, handler: Callable[[int, Any]
 
 @contextmanager
 def heard(progress: Callable[..., None] | None = None) -> Iterator[Callable[..., None]]:
-    """Yield a progress callback that raises KeyboardInterrupt once Ctrl-C has been pressed, or an end asked for.
+    """Yield a progress callback that raises KeyboardInterrupt after Ctrl-C or a termination signal.
 
-    Python raises it at once, but where that falls into a callback of a library or a destructor the exception is
-    dropped, and a long run would go on.
+    Python raises it at once, but drops the exception inside a library's callback or a destructor; a long run would then
+    continue.
     """
     asked = False
     ending = {number: signal.getsignal(number) for number in ENDINGS}

@@ -1,4 +1,4 @@
-"""A map in words: the lines that `sweep` and `info` print."""
+"""Text summary of a map, printed by `sweep` and `info`."""
 
 from collections.abc import Iterator
 
@@ -14,11 +14,11 @@ from ..run import limits
 from ..run.warnings import BENT, BROKEN, FORCE, UNACCOUNTED
 
 REASONS = 3
-"""Failed cases whose reason is printed."""
+"""Maximum number of failed cases whose reason is printed."""
 
 
 def map_lines(sheet: Map) -> Iterator[str]:
-    """Lines of text that summarise a map, complete or not."""
+    """Lines that summarise a map, complete or partial."""
     return map(printable, _lines(sheet))
 
 
@@ -46,39 +46,39 @@ def _labelled(sheet: Map) -> Iterator[tuple[str, str]]:
 
 
 def _doubts(sheet: Map) -> Iterator[str]:
-    """How many cases are beyond what the models are good for, or not at rest yet."""
+    """Warnings with the number of cases outside the models' validity, or not yet periodic."""
     complete = sheet.status == COMPLETE
     of = f"of {complete.sum():,} cases"
     broken = limits.broken(sheet)
     bent = np.sum(limits.bent(sheet) & ~broken)
     if broken.any():
         yield (
-            f"in {broken.sum():,} {of} the model does not hold: the trailing edge bends by more than {BROKEN:g} chord, "
-            f"or the normal force is over {FORCE:g} times rho V^2 S / 2; pictures show them in grey"
+            f"in {broken.sum():,} {of} the model is invalid: tip deflection above {BROKEN:g} chord, or normal force "
+            f"above {FORCE:g} times rho V^2 S / 2; figures show these cases in grey"
         )
     if bent:
         yield (
-            f"in {bent:,} {of} the trailing edge bends by more than {BENT:g} chords, "
-            "where the linear beam errs by more than a tenth"
+            f"in {bent:,} {of} the tip deflection exceeds {BENT:g} chords, where the error of the linear beam exceeds "
+            "10 %"
         )
     if limits.unbalanced(sheet).any():
         yield (
             f"in {limits.unbalanced(sheet).sum():,} {of} more than {100.0 * UNACCOUNTED:g} % of the work is "
-            "unaccounted for (metric energy_residual): give more time.steps_per_period"
+            "unaccounted for (metric energy_residual); increase time.steps_per_period"
         )
     if "settled" in sheet.metrics:
         restless = np.sum(sheet.values("settled").ravel()[complete] == 0.0)
         if restless:
-            yield f"in {restless:,} {of} the beats have not settled (metric settled)"
+            yield f"in {restless:,} {of} the run is not yet periodic (metric settled)"
 
 
 def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:
     values = sheet.values(name).ravel()
     if np.isnan(values).all():
         return
-    for word, number in (("least", int(np.nanargmin(values))), ("most", int(np.nanargmax(values)))):
+    for word, number in (("min", int(np.nanargmin(values))), ("max", int(np.nanargmax(values)))):
         found = f"{values[number]:.4g} {fraction(sheet.units(name))}".rstrip()
-        yield name if word == "least" else "", f"{word:<5} {found} at {_where(sheet.design, number)}"
+        yield name if word == "min" else "", f"{word:<3} {found} at {_where(sheet.design, number)}"
 
 
 def _where(design: Design, number: int) -> str:

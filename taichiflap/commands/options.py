@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options shared by several commands."""
 
 from pathlib import Path
 from typing import Annotated
@@ -16,7 +16,7 @@ Vary = Annotated[
     typer.Option(
         "--vary",
         metavar="KEY=a:b:n[:log]|v1,v2,...",
-        help="a key of the case file and its values; may be repeated. With --sample, a range a:b or a:b:log",
+        help="key of the case file and its values; may be repeated. With --sample, a range a:b or a:b:log",
     ),
 ]
 Range = Annotated[
@@ -24,12 +24,12 @@ Range = Annotated[
     typer.Option(
         "--vary",
         metavar="KEY=a:b[:log]|v1,v2,...",
-        help="a key of the case file, and the range or the values to choose from; may be repeated",
+        help="key of the case file and its range or list of values; may be repeated",
     ),
 ]
 Cluster = Annotated[
     str | None,
-    typer.Option(metavar="ADDRESS|local:N", help="run on a Dask scheduler, or on N worker processes here"),
+    typer.Option(metavar="ADDRESS|local:N", help="run on a Dask scheduler, or on N local worker processes"),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace the file of another study")]
-Seed = Annotated[int, typer.Option(min=0, metavar="N", help="seed of the random choices")]
+Seed = Annotated[int, typer.Option(min=0, metavar="N", help="seed of the random numbers")]

@@ -1,4 +1,4 @@
-"""The progress bar of a run in a terminal: beats, rate, time left."""
+"""Progress of runs and studies in a terminal or a log."""
 
 import contextlib
 import math
@@ -15,7 +15,7 @@ from ..case.case import Case
 from ..run.blocks import Progress as Callback
 
 LOG_SECONDS = 30.0
-"""Between two lines of a log."""
+"""Time between two log lines, s."""
 
 
 class _Rate(ProgressColumn):
@@ -24,7 +24,9 @@ class _Rate(ProgressColumn):
 
 
 def _shown(*middle: ProgressColumn) -> Progress:
-    """A bar on stderr with its title, what `middle` tells, and the time left; if narrow, the title gives way."""
+    """A progress bar on stderr with a title, the columns `middle`, and the time left; a narrow terminal shortens the
+    title.
+    """
     title = TextColumn("{task.description}", table_column=Column(ratio=2, no_wrap=True, overflow="ellipsis"))
     bar = BarColumn(bar_width=None, table_column=Column(ratio=1))
     left = TimeRemainingColumn(compact=True)
@@ -33,7 +35,7 @@ def _shown(*middle: ProgressColumn) -> Progress:
 
 @contextlib.contextmanager
 def bar(case: Case) -> Iterator[Callback]:
-    """A bar on stderr that vanishes when the run is done; yields what `simulate` calls."""
+    """A progress bar on stderr that disappears after the run; yields the callback for `simulate`."""
     with _shown(TextColumn("{task.fields[place]}"), _Rate()) as shown:
         task = shown.add_task(case.title or "simulating", total=case.steps, place=_place(case, 0))
 
@@ -52,7 +54,7 @@ def _place(case: Case, done: int) -> str:
 
 @contextlib.contextmanager
 def steps(title: str) -> Iterator[Callback]:
-    """A bar on stderr for work that counts; yields what is called with the number done, and of all."""
+    """A progress bar on stderr for counted work; yields a callback of (done, total)."""
     with _shown(TextColumn("{task.completed:.0f} of {task.total:.0f}")) as shown:
         task = shown.add_task(title, total=1.0)
         yield lambda done, total: shown.update(task, completed=done, total=total)
@@ -60,7 +62,7 @@ def steps(title: str) -> Iterator[Callback]:
 
 @contextlib.contextmanager
 def share(title: str) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr for work of many kinds; yields what is called with the share done, 0 to 1."""
+    """A progress bar on stderr; yields a callback of the fraction done, 0 to 1."""
     with _shown(TextColumn("{task.percentage:.0f} %")) as shown:
         task = shown.add_task(title, total=1.0)
         yield lambda done: shown.update(task, completed=done)
@@ -68,7 +70,7 @@ def share(title: str) -> Iterator[Callable[[float], None]]:
 
 @contextlib.contextmanager
 def cases(title: str) -> Iterator[Callable[[float, int, float], None]]:
-    """A bar on stderr for a study of many cases: rate, and time left by work; yields what the study calls."""
+    """A progress bar on stderr for a study: rate, and time left estimated from work; yields the study's callback."""
     with _shown(TextColumn("{task.fields[count]}")) as shown:
         task = shown.add_task(title, total=1.0, count="")
         pace = _Pace()
@@ -81,7 +83,7 @@ def cases(title: str) -> Iterator[Callable[[float, int, float], None]]:
 
 @contextlib.contextmanager
 def log(title: str) -> Iterator[Callable[[float, int, float], None]]:
-    """The same as lines on stderr, one in half a minute, for a run that nobody watches."""
+    """The same as lines on stderr, one per half minute, for a log."""
     pace = _Pace()
     said = pace.began
 
@@ -97,14 +99,14 @@ def log(title: str) -> Iterator[Callable[[float, int, float], None]]:
 
 
 class _Pace:
-    """Cases done since the first call: what an earlier run left does not count as speed."""
+    """Cases completed since the first call, so that cases of an earlier run do not count as speed."""
 
     def __init__(self) -> None:
         self.began = self.now = time.monotonic()
         self.first: float | None = None
 
     def count(self, done: float, total: int) -> str:
-        """How many cases are done, and how many a second."""
+        """Number of completed cases, and cases per second."""
         self.now = time.monotonic()
         self.first = done if self.first is None else self.first
         rate = (done - self.first) / (self.now - self.began) if self.now > self.began else 0.0

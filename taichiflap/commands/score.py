@@ -1,4 +1,4 @@
-"""The command that scores the models against published data, or against a user's own measurement."""
+"""The command `score`: compare the models with published data, or with the user's own measurement."""
 
 import sys
 from contextlib import nullcontext
@@ -12,31 +12,31 @@ from .options import Settings, Threads
 
 def score(
     case_file: Annotated[
-        Path | None, typer.Argument(help="case file of a measurement, with --against", show_default=False)
+        Path | None, typer.Argument(help="case file of the measurement given by --against", show_default=False)
     ] = None,
     against: Annotated[
         list[Path] | None,
-        typer.Option("--against", metavar="CSV", help="trace measured on this case; may be repeated"),
+        typer.Option("--against", metavar="CSV", help="measured trace of this case; may be repeated"),
     ] = None,
     models: Annotated[str, typer.Option(metavar="NAME,...", help="models to score  [default: all]")] = "",
     cases: Annotated[str, typer.Option(metavar="NAME,...", help="published cases to score  [default: all]")] = "",
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="folder for the page, its figures and what was computed")
+        Path, typer.Option("-o", "--output", help="folder for the page, its figures and the computed data")
     ] = Path("scores"),
     speed: Annotated[
-        float | None, typer.Option(min=0.0, metavar="M/S", help="reference speed of a trace's coefficients")
+        float | None, typer.Option(min=0.0, metavar="M/S", help="reference speed of the trace's coefficients")
     ] = None,
     area: Annotated[
         float | None,
-        typer.Option(min=0.0, metavar="M2", help="their reference area  [default: chord times span]"),
+        typer.Option(min=0.0, metavar="M2", help="reference area of the coefficients  [default: chord times span]"),
     ] = None,
     shift: Annotated[
-        str, typer.Option(metavar="BEATS|best", help="how late the trace is against the case's time")
+        str, typer.Option(metavar="BEATS|best", help="delay of the trace relative to the case's time")
     ] = "0",
     settings: Settings = None,
     threads: Threads = None,
 ) -> None:
-    """Score the models against published data; with a case and --against, compare them with your own measurement."""
+    """Score the models against published data. With a case and --against, compare them with your own measurement."""
     from .. import files
     from ..published.scores import tiers
 

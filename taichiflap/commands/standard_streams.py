@@ -1,4 +1,4 @@
-"""Standard output and error that cannot take what is written: never a traceback after the work is done."""
+"""Standard output and error that cannot be written to: no traceback after the work is done."""
 
 import codecs
 import contextlib
@@ -13,14 +13,14 @@ PLAIN = str.maketrans(
         "“": '"', "”": '"', "‘": "'", "’": "'", "…": "...", "→": "->",
     }
 )  # fmt: skip
-"""What stands for letters that an encoding lacks; any other is a question mark."""
+"""Replacements for letters that an encoding lacks; all others become a question mark."""
 
 
 class Stream:
-    """A text stream whose failures to write are noted, once, and not raised.
+    """A text stream that records write errors instead of raising them.
 
     Attributes:
-        failure: why it could not be written; None while all is well.
+        failure: the first write error, or None.
     """
 
     def __init__(self, stream: Any) -> None:
@@ -31,16 +31,16 @@ class Stream:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
-        """Write, or note why not; the number of letters."""
+        """Write text or record the error; returns the number of characters."""
         self._try(self._stream.write, text)
         return len(text)
 
     def writelines(self, lines: Any) -> None:
-        """Write lines, or note why not."""
+        """Write lines or record the error."""
         self.write("".join(lines))
 
     def flush(self) -> None:
-        """Flush, or note why not."""
+        """Flush or record the error."""
         self._try(self._stream.flush)
 
     def _try(self, act: Any, *arguments: Any) -> None:
@@ -50,15 +50,15 @@ class Stream:
             act(*arguments)
         except OSError as error:
             self.failure = error
-            # What is still in its buffer goes nowhere, lest Python tries once more as it ends.
+            # Discard the buffer, since Python would try to write it again at exit.
             with contextlib.suppress(OSError, ValueError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
 
 
 def settle() -> None:
-    """Make standard output and error take anything."""
+    """Make standard output and error accept any text."""
     codecs.register_error("plain", _plainly)
-    # A file would get the number of a closed stream, and what libraries write to that stream.
+    # A newly opened file would take the number of a closed stream, and receive what libraries write to it.
     for number in range(3):
         try:
             os.fstat(number)
@@ -70,14 +70,15 @@ def settle() -> None:
             stream = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - for as long as the program runs
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="plain")
-        # Both names: libraries take a difference between them for a notebook.
+        # Replace both names: libraries take a difference between them for a notebook.
         taking = Stream(stream)
         setattr(sys, name, taking)
         setattr(sys, f"__{name}__", taking)
 
 
 def failed() -> bool:
-    """Flush both, and tell on standard error if standard output could not be written; who closed a pipe has enough."""
+    """Flush both, and report on standard error if standard output could not be written. A closed pipe is not an "
+    "error."""
     sys.stdout.flush()
     failure = getattr(sys.stdout, "failure", None)
     if failure is None or failure.errno == errno.EPIPE:

@@ -23,15 +23,15 @@ def sweep(
     ] = None,
     seed: Seed = 0,
     metric: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="keep this metric; may be repeated  [default: all]")
+        list[str] | None, typer.Option(metavar="NAME", help="store this metric; may be repeated  [default: all]")
     ] = None,
-    keep: Annotated[str | None, typer.Option(metavar="series", help="keep the time series of every case too")] = None,
+    keep: Annotated[str | None, typer.Option(metavar="series", help="also store the time series of every case")] = None,
     settings: Settings = None,
     cluster: Cluster = None,
     threads: Threads = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Run a case for many values of its keys and write a map. Run it again after a crash: it goes on."""
+    """Run a case for many values of its keys and write a map. After a crash the same command continues."""
     from ..case.case import load_case
     from ..maps.design import design, read_vary
     from ..studies import sweep as study
@@ -42,8 +42,8 @@ def sweep(
     with study.prepare(case, planned, path, metrics=metric or (), keep=keep, overwrite=overwrite) as sheet:
         missing = len(sheet.pending)
         if missing < planned.size:
-            print(f"{path}: {planned.size - missing:,} of {planned.size:,} cases are there already")
-        advice = f"interrupted: {path} keeps every finished batch; the same command goes on"
+            print(f"{path}: {planned.size - missing:,} of {planned.size:,} cases are done already")
+        advice = f"interrupted: {path} keeps every finished batch; the same command continues"
         with interruptible(advice), progress(case.title or "sweep") as update, heard(update) as tell:
             study.fill(sheet, cluster=cluster, threads=threads, progress=tell)
         _print_map(sheet)
@@ -51,21 +51,21 @@ def sweep(
 
 def converge(
     case_file: CaseFile,
-    tolerance: Annotated[str, typer.Option(metavar="SHARE", help="largest change of a metric that is allowed")] = "1%",
+    tolerance: Annotated[str, typer.Option(metavar="SHARE", help="largest allowed relative change of a metric")] = "1%",
     metric: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="hold this metric; may be repeated  [default: force, power, tip]"),
+        typer.Option(metavar="NAME", help="metric to converge; may be repeated  [default: force, power, tip]"),
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="map of its cases  [default: the case's name -converge.h5]"),
+        typer.Option("-o", "--output", help="map of the cases  [default: the case's name -converge.h5]"),
     ] = None,
     settings: Settings = None,
     cluster: Cluster = None,
     threads: Threads = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Find how fine is fine enough: panels or elements, steps, wake, beats and modes; exit code 1 if not found."""
+    """Find a converged resolution: panels or elements, steps, wake, beats and modes. Exit code 1 if none is found."""
     from ..case.case import load_case
     from ..plots import maps as map_plots
     from ..studies import converge as study
@@ -73,7 +73,7 @@ def converge(
     share = study.read_tolerance(tolerance)
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}-converge.h5")
-    advice = f"interrupted: {path} keeps every finished case; the same command goes on"
+    advice = f"interrupted: {path} keeps every finished case; the same command continues"
     with interruptible(advice), heard(lambda trial: print(study.line(trial), flush=True)) as told:
         found = study.converge(
             case, share, path, metrics=metric or (), cluster=cluster, threads=threads, overwrite=overwrite, told=told,
@@ -89,30 +89,31 @@ def converge(
 def optimise(
     case_file: CaseFile,
     vary: Range,
-    maximise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to make large")] = None,
-    minimise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to make small")] = None,
+    maximise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to maximise")] = None,
+    minimise: Annotated[str | None, typer.Option(metavar="EXPR", help="formula of metrics to minimise")] = None,
     subject_to: Annotated[
-        list[str] | None, typer.Option("--subject-to", metavar="EXPR", help="condition, A >= B or A <= B; repeatable")
+        list[str] | None,
+        typer.Option("--subject-to", metavar="EXPR", help="constraint, A >= B or A <= B; may be repeated"),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="map of the search  [default: the case's name -optimum.h5]")
     ] = None,
-    generations: Annotated[int, typer.Option(min=1, metavar="N", help="generations at most")] = 40,
-    population: Annotated[int, typer.Option(min=5, metavar="N", help="cases in a generation")] = 32,
+    generations: Annotated[int, typer.Option(min=1, metavar="N", help="maximum number of generations")] = 40,
+    population: Annotated[int, typer.Option(min=5, metavar="N", help="cases per generation")] = 32,
     seed: Seed = 0,
     settings: Settings = None,
     cluster: Cluster = None,
     threads: Threads = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Search ranges of keys for the best case, by differential evolution; exit code 1 if none meets the conditions."""
+    """Optimise a case over ranges of keys by differential evolution. Exit code 1 if no case meets the constraints."""
     from ..case.case import load_case
     from ..maps.design import read_vary
     from ..studies import optimise as study
 
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}-optimum.h5")
-    advice = f"interrupted: {path} keeps every finished case; the same command goes on"
+    advice = f"interrupted: {path} keeps every finished case; the same command continues"
 
     def tell(number: int, one: Any) -> None:
         print(f"generation {number:3d}: {study.line(one)}", flush=True)
@@ -129,23 +130,26 @@ def optimise(
 
 def strips(
     case_file: CaseFile,
-    radii: Annotated[int, typer.Option(min=1, metavar="N", help="strips of equal width")] = 5,
+    radii: Annotated[int, typer.Option(min=1, metavar="N", help="number of strips of equal width")] = 5,
     at: Annotated[
         float | None,
-        typer.Option(metavar="SHARE", help="share of the span that moves as the case says; not with measured angles"),
+        typer.Option(
+            metavar="SHARE", help="share of the span that moves as given in the case; not with measured angles"
+        ),
     ] = None,
-    root: Annotated[float, typer.Option(metavar="SHARE", help="share of the span at which the wing begins")] = 0.0,
+    root: Annotated[float, typer.Option(metavar="SHARE", help="share of the span at which the wing starts")] = 0.0,
     planform: Annotated[
-        str, typer.Option(metavar="SHARE:CHORD,...", help="chords over the case's, e.g. 0:0.6,0.5:1,1:0.3")
+        str, typer.Option(metavar="SHARE:CHORD,...", help="chord relative to the case's chord, e.g. 0:0.6,0.5:1,1:0.3")
     ] = "",
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="CSV file of the sums over time", show_default=False)
+        Path | None,
+        typer.Option("-o", "--output", help="CSV file with the time series of the sums", show_default=False),
     ] = None,
     settings: Settings = None,
     threads: Threads = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
-    """March sections at several radii side by side, from hinge (root) to tip (wing.span), and sum their forces."""
+    """Run sections at several radii from the hinge to the tip (wing.span), and sum their forces."""
     from .. import files
     from ..case.case import load_case
     from ..studies import strips as study
@@ -162,7 +166,7 @@ def strips(
 
 @contextmanager
 def progress(title: str) -> Iterator[Any]:
-    """A bar of cases on a terminal; a line now and then in a log."""
+    """A progress bar of cases on a terminal; occasional lines in a log."""
     from .progress import cases, log
 
     with (cases if sys.stderr.isatty() else log)(title) as tell:

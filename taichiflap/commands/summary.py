@@ -1,4 +1,4 @@
-"""A run in words: the lines that `simulate` and `info` print."""
+"""Text summary of a run, printed by `simulate` and `info`."""
 
 import math
 from collections.abc import Collection, Iterator
@@ -22,10 +22,10 @@ LABEL = 24
 
 
 def summary_lines(result: Result, said: Collection[str] = ()) -> Iterator[str]:
-    """Lines of text that summarise a result, complete or not.
+    """Lines that summarise a result, complete or partial.
 
     Args:
-        said: warnings, or a reason, that need not be said again.
+        said: warnings and reasons printed already.
     """
     return map(printable, _lines(result, said))
 
@@ -61,14 +61,14 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
 
 
 def _extent(result: Result) -> str:
-    """How much of a run is stored."""
+    """Number of stored steps and frames."""
     if result.case.output.every == 1:
         return f"{result.frames} frames"
     return f"{result.steps} steps, fields in {result.frames} frames"
 
 
 def motion_line(case: Case) -> str:
-    """A line on how the wing is moved, and for how long."""
+    """A line on the motion of the wing and the duration of the run."""
     return _line("motion", _motion(case))
 
 
@@ -111,19 +111,19 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
 
 
 def _unrest(summary: Summary) -> str:
-    """Why the means are not to be trusted yet; nothing if they are, or if nothing repeats."""
+    """Warning that the run is not yet periodic; empty if it is, or if the motion is not periodic."""
     if summary.settled is not False:
         return ""
     if summary.beats < FEWEST_BEATS:
-        return "too few beats to tell whether the run has settled: give it more time.periods"
+        return "too few beats to tell whether the run is periodic; increase time.periods"
     if summary.force_drift > 2.0 * summary.force_spread:
         return (
             f"not yet periodic: over these beats the mean force drifts by {100 * summary.force_drift:.2g} % "
-            "of its rms; give it more time.periods"
+            "of its rms; increase time.periods"
         )
     return (
         f"the beats do not repeat: their mean force spreads by {100 * summary.force_spread:.2g} % of its rms; "
-        "with more time.periods the mean gets firmer"
+        "increase time.periods for a more accurate mean"
     )
 
 
@@ -133,7 +133,7 @@ def _line(label: str, text: Any) -> str:
 
 @dataclass(frozen=True)
 class _Unit:
-    """What some quantities are shown in: the multiple of a unit that suits the largest, and the factor to it."""
+    """Display unit of some values: the multiple of a unit that suits the largest, and the factor to it."""
 
     factor: float
     name: str
@@ -219,7 +219,7 @@ def _motion(case: Case) -> str:
 
 
 def _measured(measured: Measured, frequency: float) -> str:
-    """How far the measured angles go, how near their harmonics come, and how alike the beats are."""
+    """Range of the measured angles, residual of their harmonics, and spread between beats."""
     found = []
     for name, fit in angles.fits(measured, frequency).items():
         low, high = fit.reach
@@ -229,7 +229,7 @@ def _measured(measured: Measured, frequency: float) -> str:
 
 
 def _travel(motion: Motion, axis: Travel, unit: str) -> str:
-    """How far plunge or pitch goes, and how if not harmonically."""
+    """Range of plunge or pitch, and its kind if not harmonic."""
     keys = axis.in_si(motion.frequency)
     far = max((abs(value) for _, value in keys["points"]), default=0.0) if "points" in keys else keys["amplitude"]
     scale, unit = (180.0 / math.pi, unit) if unit == "deg" else prefixed(far, unit)

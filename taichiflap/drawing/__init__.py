@@ -1,1 +1,1 @@
-"""What a picture of a frame shows, as plain arrays: shared by figures, exports and the viewer."""
+"""Content of a picture of a frame, as plain arrays: shared by figures, exports and the viewer."""

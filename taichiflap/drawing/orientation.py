@@ -1,8 +1,7 @@
-"""Which way up a picture shows a result: a stream runs from left to right and lift points up.
+"""Orientation of pictures: the stream runs from left to right and lift points up.
 
-Without a stream the stroke, along Z, lies across the page and up is -Y, which keeps the insect aloft. Either way the
-plane is turned and not mirrored, so counter-clockwise circulation still turns counter-clockwise. The data stay as they
-are.
+Without a stream the stroke (Z) is horizontal and up is -Y, against gravity. The plane is rotated but not mirrored, so
+that counter-clockwise circulation stays counter-clockwise. Data are not changed.
 """
 
 import math
@@ -18,14 +17,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Orientation:
-    """A turn of the plane: `right_y`, `right_z` are the components of the unit vector that points right on the page."""
+    """A rotation of the plane: `right_y`, `right_z` are the components of the unit vector to the right on the page."""
 
     right_y: float = 0.0
     right_z: float = 1.0
 
     @classmethod
     def of(cls, case: Case) -> "Orientation":
-        """The one for a case: along its stream, if it has one."""
+        """Orientation of a case, along its stream if any."""
         speed = math.hypot(*case.fluid.velocity)
         return cls(*(component / speed for component in case.fluid.velocity)) if speed else cls()
 
@@ -35,6 +34,6 @@ class Orientation:
         return np.stack((self.right_y * y + self.right_z * z, self.right_y * z - self.right_z * y), axis=-1)
 
     def off_page(self, places: ArrayLike) -> Array:
-        """Components on the page, shape (..., 2), as inertial ones Y and Z, shape (2, ...)."""
+        """Components on the page, shape (..., 2), as inertial components Y and Z, shape (2, ...)."""
         right, up = np.moveaxis(np.asarray(places, dtype=float), -1, 0)
         return np.stack((self.right_y * right - self.right_z * up, self.right_z * right + self.right_y * up))

@@ -1,7 +1,7 @@
-"""The colours of every drawing: a diverging map for signed quantities, and the colours of lines. NumPy alone.
+"""Colours of all drawings: a diverging map for signed values, and colours of lines. Needs only NumPy.
 
-The map runs from blue over grey to orange: people with any of the usual colour-vision deficiencies tell the two
-apart, and lightness changes evenly from zero to either end, so that it survives a grey print.
+The map runs from blue over grey to orange: both are distinguishable with all common colour-vision deficiencies, and
+    lightness changes evenly from zero to either end, so that it works in a grey print.
 """
 
 from collections.abc import Sequence
@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 LEVELS = 257
-"""Entries of a colour table; odd, so that zero has one of its own."""
+"""Number of entries of a colour table; odd, so that zero has its own entry."""
 SATURATED = 0.02
-"""Share of the values that may lie beyond the limits: a few strong vortices must not turn the others grey."""
+"""Share of values that may exceed the limits, so that a few strong vortices do not turn the others grey."""
 
 _TO_CONES = np.array(
     [
@@ -33,7 +33,7 @@ _TO_LAB = np.array(
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours of a drawing on a light or a dark ground, as `#rrggbb`.
+    """Colours of a drawing on a light or a dark background, as `#rrggbb`.
 
     Attributes:
         ground, ink, muted, faint: background, text and wing, secondary text, grid and half-stroke shading.
@@ -59,17 +59,17 @@ DARK = Theme(
 LINES = ("#0060a8", "#d55e00")
 """Colours of the first and second result of a comparison."""
 SHEETS = ("#7a8794", "#d03a8c")
-"""Colours of the vortices shed by the trailing edge and by the leading edge, where they are told apart."""
+"""Colours of vortices by the edge that shed them: trailing and leading edge."""
 SEVERAL = (*LINES, "#008560", "#8a4fa0", "#8f6a00", "#16191d")
 """Colours of several results."""
 PARTS = ("#16191d", "#0060a8", "#d55e00")
-"""Colours of a whole and its two parts."""
+"""Colours of a total and its two parts."""
 
 
 def table(colours: Sequence[str] = LIGHT.anchors) -> NDArray[np.uint8]:
     """A map through evenly spaced `#rrggbb` colours, lowest value first, sRGB, shape (LEVELS, 3).
 
-    Colours between the anchors are mixed in Oklab, where equal steps look equal.
+    Colours between the anchors are interpolated in Oklab, where equal steps look equal.
     """
     anchors = _oklab(np.array([_rgb(colour) for colour in colours]))
     where = np.linspace(0.0, len(anchors) - 1.0, LEVELS)
@@ -78,15 +78,15 @@ def table(colours: Sequence[str] = LIGHT.anchors) -> NDArray[np.uint8]:
 
 
 def colours(values: ArrayLike, limit: float, theme: Theme = LIGHT) -> NDArray[np.uint8]:
-    """Colour of each value between -limit and limit, sRGB, shape (..., 3); values beyond take the end's colour."""
+    """Colour of each value between -limit and limit, sRGB, shape (..., 3); values outside take the end colours."""
     scaled = np.clip(np.asarray(values, dtype=float) / limit, -1.0, 1.0)
     return table(theme.anchors)[np.rint((scaled + 1.0) * (LEVELS // 2)).astype(int)]
 
 
 def symmetric_limit(values: ArrayLike) -> float:
-    """Limit of a map symmetric about zero that all but a few values lie within, rounded up to a plain number.
+    """Limit of a symmetric colour map that contains all but a few values, rounded up to a plain number.
 
-    One if there are no values, or only zeros.
+    1 without values, or if all are zero.
     """
     sizes = np.abs(np.asarray(values, dtype=float))
     largest = float(np.quantile(sizes, 1.0 - SATURATED)) if sizes.size else 0.0

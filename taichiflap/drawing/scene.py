@@ -1,4 +1,4 @@
-"""What a drawing shows of a result: its last beats, seen from the wing tip, turned as `orientation` says."""
+"""Content of a drawing of a result: its last beats, seen from the wing tip, rotated as in `orientation`."""
 
 import math
 from dataclasses import dataclass
@@ -18,21 +18,21 @@ from .palette import rounded_up, symmetric_limit
 Array = NDArray[np.float64]
 
 OUTLYING = 0.003
-"""Share of the wake that may lie beyond either edge of the page."""
+"""Share of the wake that may lie outside each edge of the page."""
 SLENDER = 0.4
-"""The page's short side is at least so much of the long one."""
+"""Minimum ratio of the page's short side to its long side."""
 MARGIN = 0.3
-"""Free space around what is drawn, chords."""
+"""Margin around the content, chords."""
 FAR, FAR_IN_STREAM = 5.0, 12.0
-"""The page ends so many chords from the wing, lest a wake of many beats leave nothing of the wing to be seen."""
+"""Maximum distance of the page's edge from the wing, chords, so that the wing stays visible next to a long wake."""
 STILL = 1e-6
-"""A pivot that moves by less than so many chords has no stroke."""
+"""Minimum travel of the pivot, chords, that is drawn as a stroke."""
 REACH = 1.0
 """Length of the arrow of the largest force, chords."""
 
 
 class SceneError(UserError):
-    """A result that has nothing to draw: one sentence with the file and the cause."""
+    """Raised if a result cannot be drawn; one sentence with the file and the cause."""
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,14 @@ class Frame:
     """One instant.
 
     Attributes:
-        beats: time over the period, t/T, or over the run's duration where nothing repeats.
+        beats: time over the period, t/T, or over the duration of a non-periodic run.
         wing: positions of the nodes on the page, m, shape (nodes, 2).
         wake: positions of the wake vortices on the page, m, oldest first, shape (vortices, 2).
-        circulation: theirs, m2/s.
-        age: time since each was shed, beats.
-        edge: that shed them, 0 the trailing and 1 the leading edge.
+        circulation: circulation of the wake vortices, m2/s.
+        age: time since shedding, beats.
+        edge: edge that shed them, 0 for trailing and 1 for leading edge.
         force: fluid force on the page, N, shape (2,).
-        traction: fluid force per area on the page at the middles of the panels, Pa, shape (panels, 2).
+        traction: fluid force per area on the page at the midpoints of the panels, Pa, shape (panels, 2).
     """
 
     beats: float
@@ -61,25 +61,25 @@ class Frame:
 
     @property
     def middles(self) -> Array:
-        """Middles of the panels on the page, m, shape (panels, 2)."""
+        """Midpoints of the panels on the page, m, shape (panels, 2)."""
         return 0.5 * (self.wing[1:] + self.wing[:-1])
 
     @property
     def foot(self) -> Array:
-        """Where the arrow of the resultant force begins: half-way along the chord, m, shape (2,)."""
+        """Start of the resultant force's arrow: mid-chord, m, shape (2,)."""
         return cast(Array, self.wing[len(self.wing) // 2])
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What the frames of a drawing share.
+    """Bounds and limits shared by the frames of a drawing.
 
     Attributes:
-        page: left, right, bottom and top of what is drawn, m.
-        circulation: limit of the colours of the wake, m2/s.
+        page: left, right, bottom and top of the drawing, m.
+        circulation: colour limit of the wake, m2/s.
         force: largest resultant force, N.
         traction: largest force per area, Pa.
-        saturated: whether some circulation lies beyond the limit.
+        saturated: whether some circulation exceeds the limit.
     """
 
     page: tuple[float, float, float, float]
@@ -90,50 +90,48 @@ class Bounds:
 
 
 def label(result: Result) -> str:
-    """What a result is called in a drawing: its title, or else its file's name."""
+    """Name of a result in a drawing: its title, or else its file name."""
     return printable(result.case.title or (Path(result.path).stem if result.path else "untitled"))
 
 
 def last_beats(result: Result, beats: int = 1) -> NDArray[np.intp]:
-    """Indices of the frames of the last whole beats, the first of them and the last included.
+    """Indices of the frames of the last whole beats, both ends included.
 
     Raises:
-        SceneError: when the run has not got so far, has failed there, or stores hardly any frames.
+        SceneError: if the run has no whole beat yet, has failed there, or has too few frames.
     """
     frames = _within(result, result.field_time, beats)
     if len(frames) < 2:
-        raise SceneError(f"{result.path or label(result)}: stores too few frames a beat to draw; see output.every")
+        raise SceneError(f"{result.path or label(result)}: has too few frames per beat to draw; reduce output.every")
     return frames
 
 
 def last_steps(result: Result, beats: int = 1) -> slice:
-    """The steps of the last whole beats, the first of them and the last included.
+    """Steps of the last whole beats, both ends included.
 
     Raises:
-        SceneError: when the run has not got so far, or has failed there.
+        SceneError: if the run has no whole beat yet, or has failed there.
     """
     steps = _within(result, result.time, beats)
     return slice(int(steps[0]), int(steps[-1]) + 1)
 
 
 def _within(result: Result, time: Array, beats: int) -> NDArray[np.intp]:
-    """Which of some times lie in the last whole beats that the run has."""
+    """Indices of the times in the last whole beats of a run."""
     run = result.time / result.case.beat
     whole = math.floor(round(float(run[-1]), 9)) if len(run) else 0
     if whole < 1:
-        raise SceneError(f"{result.path or label(result)}: has no whole beat yet, so there is nothing to draw")
+        raise SceneError(f"{result.path or label(result)}: nothing to draw, since it has no whole beat yet")
     first = whole - min(beats, whole)
     shown = np.flatnonzero((run >= first - 1e-9) & (run <= whole + 1e-9))
     if not np.isfinite(result.file["force_normal"][shown[0] : shown[-1] + 1]).all():
-        raise SceneError(
-            f"{result.path or label(result)}: the run failed in its last beats, so there is nothing to draw"
-        )
+        raise SceneError(f"{result.path or label(result)}: nothing to draw, since the run failed in its last beats")
     turns = time / result.case.beat
     return np.flatnonzero((turns >= first - 1e-9) & (turns <= whole + 1e-9))
 
 
 def frame(result: Result, index: int) -> Frame:
-    """One frame of a result, read without the others."""
+    """One frame of a result, read alone."""
     on_page = Orientation.of(result.case).on_page
     nodes = result.frame("node_position", index)
     wake = result.wake(index)
@@ -155,7 +153,7 @@ def frame(result: Result, index: int) -> Frame:
 
 
 def bounds(frames: list[Frame], case: Case) -> Bounds:
-    """Bounds that hold for all the frames: the wing with its forces, and all but the farthest of the wake near it."""
+    """Bounds for all frames: the wing with its forces, and the wake near it without outliers."""
     chord = case.wing.chord
     force = rounded_up(max(math.hypot(*f.force) for f in frames) or 1.0)
     traction = rounded_up(max(float(np.hypot(*f.traction.T).max()) for f in frames) or 1.0)
@@ -165,7 +163,7 @@ def bounds(frames: list[Frame], case: Case) -> Bounds:
     far = chord * (FAR_IN_STREAM if any(case.fluid.velocity) else FAR)
     near = ((wake > wings.min(axis=0) - far) & (wake < wings.max(axis=0) + far)).all(axis=1)
     wake, circulation = wake[near], np.concatenate([f.circulation for f in frames])[near]
-    # Of the last beat: what a full wake has absorbed is many times as strong as what a wing sheds.
+    # From the last beat, since vortices that have absorbed others are many times as strong as new ones.
     limit = symmetric_limit(np.concatenate([f.circulation[f.age < 1.0] for f in frames]))
     if len(wake):
         shown.append(np.quantile(wake, (OUTLYING, 1.0 - OUTLYING), axis=0))
@@ -185,7 +183,7 @@ def bounds(frames: list[Frame], case: Case) -> Bounds:
 
 
 def abscissa(case: Case) -> tuple[float, str]:
-    """What a beat is on the axis of times, and what the axis says: where nothing repeats, chords or milliseconds."""
+    """Length of a beat on the time axis, and the axis label; chords or milliseconds for a non-periodic motion."""
     if case.periodic:
         return 1.0, "Time in the last beat, t/T"
     stream = math.hypot(*case.fluid.velocity)
@@ -195,12 +193,12 @@ def abscissa(case: Case) -> tuple[float, str]:
 
 
 def when(case: Case, beats: float) -> str:
-    """A time within the beat in words, t/T; in ms where nothing repeats."""
+    """Time within the beat as text, t/T; in ms for a non-periodic motion."""
     return f"t/T = {beats % 1.0:.3f}" if case.periodic else f"t = {1e3 * beats * case.beat:.4g} ms"
 
 
 def stroke(result: Result, frames: NDArray[np.intp]) -> Array | None:
-    """Both ends of the pivot's way in some frames, on the page, m, shape (2, 2); None if it stays where it is."""
+    """Both ends of the pivot's path in some frames, on the page, m, shape (2, 2); None if it is at rest."""
     steps = result.case.step_of(frames)
     surge = result.surge[steps] if "surge" in result.variables else np.zeros(len(steps))
     way = Orientation.of(result.case).on_page(surge, result.plunge[steps])
@@ -212,11 +210,11 @@ def stroke(result: Result, frames: NDArray[np.intp]) -> Array | None:
 
 
 def stream(case: Case) -> str:
-    """The free stream in words; nothing where there is none."""
+    """The free stream as text; empty without one."""
     speed = math.hypot(*case.fluid.velocity)
     return f"U = {speed:.3g} m/s" if speed else ""
 
 
 def slow_down(case: Case, seconds_per_beat: float) -> float:
-    """How many times slower than life a beat is shown."""
+    """Slow-motion factor at which a beat is shown."""
     return seconds_per_beat / case.beat

@@ -1,4 +1,4 @@
-"""Results in other formats: tables, VTKHDF, a page that plays offline, films."""
+"""Export of results: tables, VTKHDF, an offline page with a player, films."""
 
 from ..doors import lazy
 

@@ -1,4 +1,4 @@
-"""Films of the last beats, drawn without a screen: mp4 and gif."""
+"""Films of the last beats, mp4 and gif, rendered without a screen."""
 
 import contextlib
 import math
@@ -23,13 +23,13 @@ from ..notation import prefixed
 from ..results.reader import Result
 
 TALL, WIDE = 840, 1040
-"""Largest size of the picture inside its margins, pixels."""
+"""Maximum size of the picture inside its margins, pixels."""
 ABOVE, BELOW, BESIDE, NARROWEST = 96, 24, 176, 640
 DPI = 100
 MP4_RATE, GIF_RATE = 25, 20
-"""Frames a second; a gif counts in hundredths of one."""
+"""Frames per second; a gif counts in hundredths of a second."""
 MP4_BEAT, GIF_BEAT = 100, 50
-"""Frames a beat, at most."""
+"""Maximum number of frames per beat."""
 GIF_SCALE = 0.6
 
 
@@ -37,8 +37,8 @@ def write_mp4(result: Result, path: Path, beats: int, theme: palette.Theme = pal
     """Write an H.264 film of the last beats and return its number of frames.
 
     Raises:
-        SceneError: when the result has no whole beat.
-        OutputError: when the file cannot be written, or imageio-ffmpeg is missing.
+        SceneError: if the result has no whole beat.
+        OutputError: if the file cannot be written, or imageio-ffmpeg is missing.
     """
     imageio_ffmpeg = extra("imageio_ffmpeg", "video", "mp4 needs imageio-ffmpeg", files.OutputError)
     film = Film(result, beats, MP4_BEAT, MP4_RATE, theme=theme)
@@ -55,11 +55,11 @@ def write_mp4(result: Result, path: Path, beats: int, theme: palette.Theme = pal
 
 
 def write_gif(result: Result, path: Path, beats: int, theme: palette.Theme = palette.LIGHT) -> int:
-    """Write an animated gif of the last beats, for ever repeated, and return its number of frames.
+    """Write a looping animated gif of the last beats and return its number of frames.
 
     Raises:
-        SceneError: when the result has no whole beat.
-        OutputError: when the file cannot be written.
+        SceneError: if the result has no whole beat.
+        OutputError: if the file cannot be written.
     """
     film = Film(result, beats, GIF_BEAT, GIF_RATE, GIF_SCALE, theme)
     pictures = film.pictures()
@@ -73,12 +73,12 @@ def write_gif(result: Result, path: Path, beats: int, theme: palette.Theme = pal
 
 
 class Film:
-    """The pictures of a result's last beats: what stands still is drawn once, what moves for each frame.
+    """Pictures of a result's last beats. Static parts are drawn once, moving parts for each frame.
 
     Args:
-        beats: how many of the last beats.
-        most: frames a beat, at most; of the stored ones every n-th is taken.
-        rate: frames a second at which the film is shown.
+        beats: number of last beats.
+        most: maximum number of frames per beat; every n-th stored frame is used.
+        rate: frames per second.
         scale: size, relative to the largest.
         theme: the colours.
     """
@@ -120,7 +120,7 @@ class Film:
         self._moving = self._movers(height, 72.0 / DPI * pixels * self.chord)
 
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
-        """The pictures in turn, RGB, shape (height, width, 3)."""
+        """The pictures in order, RGB, shape (height, width, 3)."""
         self._canvas.draw()
         ground = self._canvas.copy_from_bbox(self._figure.bbox)
         wake, load, wing, edge, clock, force = self._moving
@@ -149,7 +149,7 @@ class Film:
         return f"beat {beat + 1},  t/T = {abs(beats - beat):.2f}"
 
     def _movers(self, height: float, size: float) -> tuple[PathCollection, Polygon, Line2D, Line2D, Text, Annotation]:
-        """What is drawn anew for each frame; `size` is the chord on the page, points."""
+        """Parts drawn for each frame; `size` is the chord on the page, points."""
         axes = self._axes
         width = np.clip(0.032 * size, 1.6, 3.6)
         cmap = ListedColormap(palette.table(self.theme.anchors) / 255.0)
@@ -182,7 +182,7 @@ class Film:
 
     def _draw_ground(self, result: Result, slower: float, width: float, height: float, right: float) -> None:
         figure, axes, chord = self._figure, self._axes, self.chord
-        title = f"{scene.label(result)}   ({result.case.model}, {slower:.0f} times slower than life)"
+        title = f"{scene.label(result)}   ({result.case.model}, {slower:.0f} times slower)"
         head = figure.text(
             0.5,
             1.0 - 26.0 / height,
@@ -193,7 +193,7 @@ class Film:
             color=self.theme.muted,
             parse_math=False,
         )
-        # A long title shrinks until it fits a narrow page.
+        # A long title is shrunk to fit a narrow page.
         head.set_fontsize(11 * min(1.0, 0.97 * figure.bbox.width / head.get_window_extent().width))
         if self._stroke is not None:
             axes.plot(*self._stroke.T, color=self.theme.muted, linewidth=0.8, linestyle=(0, (5, 4)))
@@ -219,7 +219,7 @@ class Film:
             self._draw_legend(right, width, height)
 
     def _draw_stream(self, x: float, y: float) -> None:
-        """An arrow along the free stream, if there is one."""
+        """An arrow along the free stream, if any."""
         if text := scene.stream(self._case):
             self._axes.annotate(
                 "", (x + self.chord, y), (x, y), arrowprops={"arrowstyle": "->", "color": self.theme.ink, "shrinkA": 0}
@@ -239,5 +239,5 @@ class Film:
 
 
 def _even(pixels: float) -> int:
-    """A whole, even number, as H.264 asks for."""
+    """An even whole number, as required by H.264."""
     return 2 * round(pixels / 2.0)

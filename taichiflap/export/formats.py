@@ -1,4 +1,4 @@
-"""Results in other programs' formats: which there are, where they go, and who writes them."""
+"""Export formats of results: their names, files and writers."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from ..results.reader import Result
 FORMATS = ("csv", "vtkhdf", "html", "mp4", "gif")
 FILMS = ("mp4", "gif")
 BEATS = {"html": 4, "mp4": 2, "gif": 1}
-"""Formats that show the last beats, and how many if not told."""
+"""Formats that show the last beats, and the default number of beats."""
 
 
 def export(
@@ -25,27 +25,27 @@ def export(
 
     Args:
         kind: one of `FORMATS`.
-        path: the file, or a folder to put it in; the result's own name, here, if None.
-        beats: how many of the last beats a page or a film shows; fewer if the run has fewer.
-        dark: draw a film on a dark ground.
+        path: the file, or its folder; if None, the result's name in the current folder.
+        beats: number of last beats in a page or a film; fewer if the run has fewer.
+        dark: draw a film on a dark background.
 
     Raises:
-        OutputError: for an unknown format, a file that exists already, or one that cannot be written.
-        SceneError: when there is nothing to show.
+        OutputError: for an unknown format, or if the file exists or cannot be written.
+        SceneError: if there is nothing to show.
     """
     if kind not in FORMATS:
-        raise files.OutputError(f"no format {kind!r}; there are {', '.join(FORMATS)}")
+        raise files.OutputError(f"unknown format {kind!r}; use {', '.join(FORMATS)}")
     if beats is not None and kind not in BEATS:
-        raise files.OutputError(f"{kind} holds the whole run; --beats is for {', '.join(BEATS)}")
+        raise files.OutputError(f"{kind} contains the whole run; --beats applies to {', '.join(BEATS)}")
     if beats is not None and beats < 1:
         raise files.OutputError(f"--beats {beats}: must be at least 1")
     if dark and kind not in FILMS:
-        raise files.OutputError(f"--dark is for {' and '.join(FILMS)}")
+        raise files.OutputError(f"--dark applies to {' and '.join(FILMS)}")
     path = files.place(result, path, f".{kind}")
     files.check(path, overwrite)
     if not result.frames:
         raise files.OutputError(f"{result.path or 'this result'}: has no frames yet")
-    # Each writer is imported for its own format only: three of them bring heavy libraries.
+    # Each writer is imported only for its own format, since three of them need heavy libraries.
     if kind == "csv":
         from .table import write_csv  # noqa: PLC0415
 
@@ -71,13 +71,13 @@ def export_map(sheet: Map, kind: str, path: Path | None = None, overwrite: bool 
 
     Args:
         kind: `csv`.
-        path: the file, or a folder to put it in; the map's own name, here, if None.
+        path: the file, or its folder; if None, the map's name in the current folder.
 
     Raises:
-        OutputError: for another format, a file that exists already, or one that cannot be written.
+        OutputError: for another format, or if the file exists or cannot be written.
     """
     if kind != "csv":
-        raise files.OutputError(f"a map is exported as csv, not as {kind!r}; taichiflap plot draws it")
+        raise files.OutputError(f"a map can only be exported as csv, not as {kind!r}; use taichiflap plot to draw it")
     path = files.place(sheet, path, f".{kind}")
     files.check(path, overwrite)
     from .table import write_map_csv  # noqa: PLC0415 - as above

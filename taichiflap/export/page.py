@@ -1,4 +1,4 @@
-"""One HTML file that plays a result's last beats, offline, with its own player (`player.html`)."""
+"""One HTML file that plays a result's last beats offline, with its own player (`player.html`)."""
 
 import base64
 import html
@@ -19,19 +19,19 @@ from ..notation import prefixed
 from ..results.reader import Result
 
 BUDGET = 7_000_000
-"""Bytes of numbers in a page, so that it stays under 10 MB as text."""
+"""Maximum size of the numbers in a page, in bytes, for a page below 10 MB."""
 MOST, FEWEST = 100, 20
-"""Frames a beat: no more than one sees, and enough to look like motion."""
+"""Frames per beat, enough for smooth motion."""
 STEPS = 32767
-"""Numbers are kept as whole multiples, up to so many, of a step of their own."""
+"""Largest integer for the quantised numbers."""
 
 
 def write_html(result: Result, path: Path, beats: int) -> int:
-    """Write a page that plays the last beats, or as many of them as fit in 10 MB, and return its number of frames.
+    """Write a page with the last beats, or as many of them as fit in 10 MB, and return its number of frames.
 
     Raises:
         SceneError: when the result has no whole beat.
-        OutputError: when not even one beat fits, or the file cannot be written.
+        OutputError: if not even one beat fits, or the file cannot be written.
     """
     indices, per_beat = _fitting(result, path, beats)
     page = _page(result, [scene.frame(result, int(index)) for index in indices], indices, per_beat)
@@ -41,7 +41,8 @@ def write_html(result: Result, path: Path, beats: int) -> int:
 
 
 def pack(values: ArrayLike) -> dict[str, Any]:
-    """Numbers as 16-bit integers in base64: value = offset + scale * integer, right to half a `scale`."""
+    """Numbers as 16-bit integers in base64: value = offset + scale * integer, with an error of at most half a "
+    "`scale`."""
     flat = np.asarray(values, dtype=float).ravel()
     low, high = (float(flat.min()), float(flat.max())) if flat.size else (0.0, 0.0)
     offset = 0.5 * (low + high)
@@ -51,7 +52,7 @@ def pack(values: ArrayLike) -> dict[str, Any]:
 
 
 def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], float]:
-    """Frames that fit in the budget, and how many of them make a beat."""
+    """Frames that fit in the budget, and their number per beat."""
     stored = result.case.steps_per_beat / result.case.output.every
     for count in range(beats, 0, -1):
         indices = scene.last_beats(result, count)[:-1]
@@ -61,7 +62,7 @@ def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], 
         stride = max(math.ceil(stored / MOST), math.ceil(len(indices) / room))
         if stored / stride >= min(FEWEST, stored):
             return indices[::stride], stored / stride
-    raise files.OutputError(f"{path}: a beat of this wake does not fit in 10 MB; mp4 has no such limit")
+    raise files.OutputError(f"{path}: one beat of this wake exceeds the limit of 10 MB; export it as mp4")
 
 
 def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], per_beat: float) -> str:

@@ -1,4 +1,4 @@
-"""Series over time, and maps, as CSV, for a spreadsheet or any other program."""
+"""Series over time, and maps, as CSV."""
 
 import csv
 import io
@@ -14,9 +14,9 @@ from ..results.variables import AXES
 
 
 def write_csv(result: Result, path: Path) -> None:
-    """Write every series, one row a step, with as many digits as it takes to read the same numbers.
+    """Write every series, one row per step, with enough digits to reproduce every number exactly.
 
-    The header row carries names and units; a modal variable has one column a mode.
+    The header row has names and units; a modal variable has one column per mode.
 
     Raises:
         OutputError: when the file cannot be written.
@@ -38,9 +38,9 @@ def write_csv(result: Result, path: Path) -> None:
 
 
 def write_map_csv(sheet: Map, path: Path) -> None:
-    """Write a map, one row a case: its keys, its metrics, its status, and why it failed if it did.
+    """Write a map, one row per case: keys, metrics, status, and the reason of a failure.
 
-    The header row carries names and units; what a case has not got is left empty.
+    The header row has names and units; undefined values are left empty.
 
     Raises:
         OutputError: when the file cannot be written.

@@ -1,8 +1,8 @@
 """Results for ParaView and VTK: a temporal PolyData in VTK's own HDF5 dialect.
 
-Imports h5py itself: `taichiflap.results` alone knows our files, this module alone knows VTK's.
+Only `taichiflap.results` reads and writes our files, and only this module writes VTK's.
 
-Each frame is one piece: the wake as vertices, then the wing as one line a panel. The page of
+Each frame is one piece: the wake as vertices, then the wing as one line per panel. The page of
 `taichiflap.drawing.scene` is the plane z = 0, so x is Z, y is -Y and up is up.
 
 - Point data: `circulation` (m2/s), `age` (s) and `edge` (1: shed by the leading edge, 0: by the trailing edge) of the
@@ -102,7 +102,7 @@ def _extend(root: Any, name: str, values: NDArray[Any]) -> None:
 
 
 def _describe_steps(root: Any, result: Result) -> None:
-    """Say where in the flat datasets each frame begins."""
+    """Write the offset of each frame in the flat datasets."""
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = result.frames
     steps["Values"] = result.field_time

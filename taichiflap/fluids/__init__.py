@@ -1,6 +1,6 @@
 """Fluid models, each behind the `interface`.
 
-The models of this package go by their names; any other module that Python can import is one too, as `module:NAME`.
+Built-in models are selected by name; a model in any importable module is selected by `module:NAME`.
 """
 
 import contextlib
@@ -16,21 +16,21 @@ from ..errors import UserError
 from .interface import Model
 
 MODELS = ("dbet", "navier_stokes", "uvlm")
-"""Packages here that hold a model, by the name that a case file gives it."""
+"""Packages of the built-in models, by their name in the case file."""
 
 
 def known(solver: str) -> Model | None:
-    """A fluid model, if that runs no code of a stranger's: one of this package, or one that is imported already."""
+    """A fluid model, if loading it runs no untrusted code: a built-in model, or one that is already imported."""
     module = solver.removeprefix(ELSEWHERE)
     return load(solver) if module == solver or module in sys.modules else None
 
 
 def check(case: Case) -> None:
-    """Look at what a case says to its fluid model.
+    """Check a case against its fluid model.
 
     Raises:
-        ModelError: when there is no such model.
-        CaseError: when it cannot compute the case, or `numbers` says what it does not take.
+        ModelError: if the model does not exist.
+        CaseError: if the model cannot compute the case, or does not accept its `numbers`.
     """
     model = load(case.solver)
     model.parameters(case)
@@ -41,10 +41,10 @@ def check(case: Case) -> None:
 
 @contextlib.contextmanager
 def blamed(solver: str) -> Iterator[None]:
-    """Tells where in a model of one's own something is wrong, while it makes its arrays and its kernel is compiled.
+    """Context that locates errors in an external model while its arrays are made and its kernel is compiled.
 
     Raises:
-        ModelError: one sentence with the file, the line and what is wrong there.
+        ModelError: one sentence with the file, the line and the error.
     """
     if not solver.startswith(ELSEWHERE):
         yield
@@ -58,9 +58,9 @@ def blamed(solver: str) -> Iterator[None]:
 
 
 def _place(error: Exception, name: str) -> str:
-    """Where in a module an error arose, and what it says."""
+    """File and line of an error in a module, and its message."""
     file = str(getattr(sys.modules.get(name), "__file__", name))
-    # Taichi, which compiles a function from its text, tells the lines in the error's own words, the inmost last.
+    # Taichi compiles a function from its source; its error message lists the lines, innermost last.
     lines = [str(one.lineno) for one in traceback.extract_tb(error.__traceback__) if one.filename == file]
     lines += re.findall(rf'File "{re.escape(file)}", line (\d+)', str(error))
     told = str(error).strip().rpartition("\n")[2].strip()
@@ -76,7 +76,7 @@ def load(solver: str) -> Model:
     """A fluid model by its name in the case file; only that one is imported.
 
     Raises:
-        ModelError: when there is no such module, or it is no fluid model.
+        ModelError: if the module does not exist or is not a fluid model.
     """
     name = solver.removeprefix(ELSEWHERE)
     if name == solver:
@@ -87,12 +87,13 @@ def load(solver: str) -> Model:
         if error.name is None or not f"{name}.".startswith(f"{error.name}."):
             raise
         raise ModelError(
-            f'solver = "{solver}": Python finds no module {error.name}; install it, or name its folder in PYTHONPATH'
+            f'solver = "{solver}": Python cannot find the module {error.name}; install it, or add its folder to '
+            "PYTHONPATH"
         ) from None
     model = getattr(module, "MODEL", None)
     if not isinstance(model, Model):
         raise ModelError(
-            f'solver = "{solver}": {name} is no fluid model: it has no MODEL, an instance of a class derived from '
+            f'solver = "{solver}": {name} is not a fluid model: it needs MODEL, an instance of a class derived from '
             "taichiflap.fluids.interface.Model"
         )
     return model

@@ -1,10 +1,10 @@
-"""What a fluid model is: the arrays that it stores, what can be asked of it, and what the march runs.
+"""The interface of fluid models: stored arrays, properties of the model, and functions for the march.
 
-Everything outside `taichiflap.fluids` works with these three alone:
+All code outside `taichiflap.fluids` uses only these three classes:
 
-- `Output`: one array that a model stores. The march makes room for it, the file lays it out, readers find it.
-- `Model`: the model without a state. It answers what depends on the model: its outputs, its cost, its words.
-- `Flow`: a batch of cases in motion: arrays, and functions of Taichi that the march fuses into one kernel.
+- `Output`: one array that a model stores. The march, the file layout and the readers all follow from it.
+- `Model`: the model without a state: its outputs, cost, checks and texts.
+- `Flow`: the state of a batch of cases: arrays, and Taichi functions that the march fuses into one kernel.
 """
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -28,18 +28,18 @@ Array = NDArray[np.float64]
 class Output:
     """One array that a model stores.
 
-    Without an axis of its own it is a series, a number at every step; with one it is a field, stored in the frames
-    that `output.every` asks for. In a kernel a field is `batch.output.NAME`, with a slash as an underscore, and the
-    series are the columns of `batch.output.series`, in the order in which the model declares them.
+    An output without axes is a series, one number per step. An output with axes is a field, stored every `output.every`
+    steps. In a kernel a field is `batch.output.NAME`, with slashes replaced by underscores. Series are the columns of
+    `batch.output.series`, in the order of declaration.
 
     Attributes:
-        name: in the file and of the result. That of a ragged output is `GROUP/NAME`; `batch.output.GROUP_count` counts
-            the entries of each frame, which all outputs of a group share.
-        over: the axes besides time: `node`, `panel`, or others that the model's `axes` gives; of a ragged output the
-            one along which its frames differ in length.
-        units, long_name, symbol, comment: what the file says of it, see `taichiflap.results.variables`.
-        dtype: `f8`, `f4` or `i4` of a field; series are `f8`.
-        ragged: whether frames differ in length.
+        name: in the file and the result. A ragged output is named `GROUP/NAME`; `batch.output.GROUP_count` holds the
+            number of entries in each frame, shared by all outputs of the group.
+        over: axes besides time: `node`, `panel`, or others from the model's `axes`. For a ragged output, the axis whose
+            length differs between frames.
+        units, long_name, symbol, comment: attributes in the file, see `taichiflap.results.variables`.
+        dtype: `f8`, `f4` or `i4` for a field; series are `f8`.
+        ragged: whether the length differs between frames.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Output:
 
     @property
     def field(self) -> bool:
-        """Whether it is stored in frames instead of at every step."""
+        """Whether it is a field, stored in frames instead of at every step."""
         return bool(self.over)
 
     @property
@@ -63,19 +63,19 @@ class Output:
 
     @property
     def group(self) -> str:
-        """The group of a ragged output, else nothing."""
+        """Group of a ragged output; empty for others."""
         return self.name.partition("/")[0] if self.ragged else ""
 
     @property
     def variable(self) -> Variable:
-        """What a file says of it."""
+        """Its description in a file."""
         over = self.over if self.ragged else ("time", *self.over)
         words = self.units, self.long_name, self.symbol, self.comment
         return Variable(over, *words, self.dtype, self.field and not self.ragged)
 
 
 def standard(*names: str) -> tuple[Output, ...]:
-    """Outputs that several models have, by their names in `taichiflap.results.variables`."""
+    """Standard outputs, by their names in `taichiflap.results.variables`."""
     known = VARIABLES | {f"wake/{name}": one for name, one in WAKE_VARIABLES.items()}
     return tuple(
         Output(
@@ -92,7 +92,7 @@ WAKE = standard("wake/y", "wake/z", "wake/circulation", "wake/birth")
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a model's own: where its entries stand, and what that means."""
+    """An axis defined by a model: the positions of its entries, and their meaning."""
 
     values: ArrayLike
     units: str
@@ -102,13 +102,13 @@ class Axis:
 
 @dataclass(frozen=True)
 class Refinement:
-    """A key of the case file that a study of convergence doubles.
+    """A key of the case file that `converge` doubles.
 
     Attributes:
         key: such as `uvlm.panels`.
-        value: where the case has it.
-        per_step: for a key that counts what the steps leave behind: how much a step leaves at most. It is refined with
-            the time step, so that it reaches as far back, and never beyond what the whole run leaves.
+        value: its value in the case.
+        per_step: for a key that counts what steps produce, such as wake vortices: the maximum number per step. It is
+            refined together with the time step, so that it covers the same time, up to the total of the run.
     """
 
     key: str
@@ -122,26 +122,27 @@ Velocity = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Flow:
-    """A batch of cases in motion. The march fuses the functions into one kernel that takes many steps.
+    """The state of a batch of cases, and its functions, which the march fuses into one kernel for many steps.
 
-    The functions are `ti.func`s of a module, so that equal batches share a kernel. `batch` has the groups by name,
-    besides `body` (`taichiflap.march.state`) and `output`, the rows of the outputs.
+    The functions are module-level `ti.func`s, so that similar batches share a kernel. `batch` contains the groups by
+    name, `body` (`taichiflap.march.state`) and `output`, the arrays of the outputs.
 
     Attributes:
-        groups: the groups of arrays, each an argpack with a leading case axis. They are the state of the flow.
-        types: their argpack types, by the same names.
-        prepare: `prepare(batch, b, n, rule)` fills `body.load` and `body.response`, which come zeroed, for step `n`.
-        settle: `settle(batch, b, n, rule)`, with the acceleration known, advances the state and sets `body.force`.
+        groups: the arrays of the flow's state, as argpacks with a leading case axis.
+        types: argpack types of the groups.
+        prepare: `prepare(batch, b, n, rule)` adds to `body.load` and `body.response`, which start at zero, for step
+            `n`.
+        settle: `settle(batch, b, n, rule)`, advances the state with the known acceleration and sets `body.force`.
         record: `record(batch, b, frame)` writes the fields: `batch.output.NAME[b, frame, ...]`.
-        record_step: `record_step(batch, b, row)` writes the series: `batch.output.series[b, row, k]`; None without any.
-        uses: what some case of the batch needs, the last argument of `prepare` and `settle` if it is not None, so
-            that by `ti.static` the kernel holds nothing else.
-        before_step: called with each step from `first` on before the march takes it, to do on all threads what one
-            case's thread would be long at.
+        record_step: `record_step(batch, b, row)` writes the series: `batch.output.series[b, row, k]`; None if there are
+            none.
+        uses: features needed by any case of the batch. If not None, it is the last argument of `prepare` and `settle`,
+            which can leave out unused code with `ti.static`.
+        before_step: called before each step from `first` on, for work that uses all threads for one case.
         first: see `before_step`.
-        passes: level of Taichi's passes over its kernels, see `taichiflap.kernels.runtime.passes`.
-        reason: `reason(b, step)` says why case `b` of the batch stopped, and the cure, if the model knows; else
-        nothing.
+        passes: optimisation level of Taichi's compiler, see `taichiflap.kernels.runtime.passes`.
+        reason: `reason(b, step)` returns why case `b` of the batch stopped, with a cure; empty if the model does not
+            know.
     """
 
     groups: Mapping[str, Any]
@@ -158,22 +159,22 @@ class Flow:
 
     @property
     def kernel_key(self) -> Hashable:
-        """What decides which kernel marches the batch."""
+        """Key of the compiled kernel that marches the batch."""
         functions = self.prepare, self.settle, self.record, self.record_step
         return tuple(self.types.items()), functions, self.uses
 
 
 class Model:
-    """A fluid model, without a state: derive from it, and override what differs.
+    """Base class of fluid models, without a state. Override what differs from the defaults.
 
     Attributes:
-        name: in headings.
-        outputs: the arrays that it stores; every model has `pressure_jump`.
-        numbers: what the table `[numbers]` of the case file may say to a model of one's own, each key with its meaning,
-            unit and range; None where it may say anything.
-        elements: into how many elements along the chord it divides the wing, unless it has `nodes` of its own.
-        draws_flow: whether `velocity` has an answer.
-        sheds_behind: whether a wake leaves the trailing edge, so that a stream must not come to that edge first.
+        name: display name.
+        outputs: stored arrays; every model has `pressure_jump`.
+        numbers: class of the table `[numbers]` in the case file of an external model, each key with its description,
+            unit and range; None accepts any keys.
+        elements: number of equal elements along the chord, unless the model defines `nodes`.
+        draws_flow: whether the model defines `velocity`.
+        sheds_behind: whether the wake is shed from the trailing edge only; warns if the stream reaches that edge first.
     """
 
     name: ClassVar[str]
@@ -184,45 +185,45 @@ class Model:
     sheds_behind: ClassVar[bool] = False
 
     def nodes(self, case: Case) -> Array:
-        """Positions of the nodes along the chord, from the pivot, m: the ends of its `elements`, which are equal."""
+        """Positions of the nodes along the chord, from the pivot, m; by default the ends of equal `elements`."""
         return case.wing.chord * (np.arange(self.elements + 1) / self.elements - case.wing.pivot)
 
     def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
-        """A batch at rest.
+        """The flow of a batch at rest.
 
         Args:
             sections: the modes of each case's wing.
             body: the wings, see `taichiflap.march.state`.
-            threads: how many threads may work at once; all of them if None.
+            threads: number of threads; None for all.
         """
         raise NotImplementedError
 
     def work(self, case: Case, step: int) -> float:
-        """Rough cost of a step, in pair interactions (about a nanosecond)."""
+        """Approximate cost of a step, in pair interactions (about one nanosecond each)."""
         return 50.0 * (len(self.nodes(case)) - 1)
 
     def settings(self, case: Case) -> list[str]:
-        """Its settings in few words, for a line that describes a run: `50 panels`."""
+        """Its main settings, for the line that describes a run: `50 panels`."""
         return []
 
     def problems(self, case: Case) -> list[str]:
-        """What of a case the model cannot compute, one sentence each with the key, its value and the cure."""
+        """Reasons why the model cannot compute a case, one sentence each with the key, its value and the cure."""
         return []
 
     def completed(self, case: Case) -> Case:
-        """The case with what the model chooses where the case leaves it open, such as how many frames a beat has."""
+        """The case with the model's own defaults filled in, such as the number of frames per beat."""
         return case
 
     def warnings(self, case: Case) -> list[str]:
-        """What of a case the model is not good for, one sentence each."""
+        """Warnings about a case outside the model's range of validity, one sentence each."""
         return []
 
     def attached_in(self, case: Case) -> float | None:
-        """Degrees of angle of attack beyond which the flow separates, of which the model knows nothing; else None."""
+        """Angle of attack (deg) above which the flow separates, for models of attached flow; else None."""
         return None
 
     def cures(self, case: Case) -> list[str]:
-        """What of the model's own settings may help a case that diverged, the likeliest first."""
+        """Model settings that may help a diverged case, most likely first."""
         return []
 
     def stride(self, case: Case) -> float:
@@ -230,18 +231,18 @@ class Model:
         return case.wing.chord / (len(self.nodes(case)) - 1)
 
     def refinements(self, case: Case) -> list[Refinement]:
-        """What a study of convergence refines besides the time step, the beats and the modes."""
+        """Keys that `converge` refines besides the time step, the beats and the modes."""
         return []
 
     def velocity(self, result: Any, index: int) -> Velocity | None:
-        """The flow of a frame of a result, for a picture of it; None where the model knows none.
+        """Velocity field of a frame of a result, for pictures; None if the model has none.
 
-        What it takes from the file it reads now: the function that it returns may be called by another thread.
+        It reads the file before it returns, since the returned function may be called by another thread.
         """
         return None
 
     def parameters(self, case: Case) -> Any:
-        """The case's `numbers`, checked, with the defaults of the model's table for what it does not say.
+        """The case's `numbers`, checked, with the defaults of the model's table.
 
         Raises:
             CaseError: with every problem found.
@@ -249,7 +250,7 @@ class Model:
         given: dict[str, Any] = dict(case.numbers or {})
         if self.numbers is None:
             return given
-        # A map keeps all its values as doubles.
+        # A map stores all values as doubles.
         for name, one in self.numbers.model_fields.items():
             if one.annotation is int and isinstance(given.get(name), float) and given[name].is_integer():
                 given[name] = int(given[name])
@@ -261,41 +262,41 @@ class Model:
             raise CaseError(case.title or self.name, list(dict.fromkeys(found))) from None
 
     def outcome(self, case: Case, written: Callable[[str], Any]) -> list[str]:
-        """What the model was not good for in a case that has been computed, one sentence each.
+        """Warnings about a computed case, one sentence each.
 
         Args:
-            written: the values of a variable by its name.
+            written: returns the values of a variable by name.
         """
         return []
 
     def axes(self, case: Case) -> Mapping[str, Axis]:
-        """The axes of its outputs that are neither `node` nor `panel`."""
+        """Axes of its outputs other than `node` and `panel`."""
         return {}
 
     def stored(self, case: Case) -> tuple[Output, ...]:
-        """The outputs that a case stores."""
+        """Outputs that are stored for a case."""
         return self.outputs
 
     def entries(self, case: Case, step: Any) -> Any:
-        """How many entries a ragged output has at a step at most, or at each of an array of steps."""
+        """Maximum number of entries of a ragged output at a step, or at each of an array of steps."""
         return 0
 
     def counters(self, case: Case, step: int) -> Mapping[str, tuple[ArrayLike, ArrayLike]]:
-        """Least and greatest of those integers of its state that change, by `GROUP.NAME`, before a step.
+        """Minimum and maximum of the changing integers of its state before a step, by `GROUP.NAME`.
 
-        All others are what the case makes them. The state in a file is held to that before a march goes on from it.
+        All other integers follow from the case. A state read from a file is checked against these bounds.
         """
         return {}
 
     def sizes(self, case: Case) -> dict[str, int]:
-        """Length of every axis of its outputs; of a ragged one the most that a frame can have."""
+        """Length of every axis of its outputs; for a ragged axis the maximum over all frames."""
         nodes = len(self.nodes(case))
         own = {name: np.size(axis.values) for name, axis in self.axes(case).items()}
         ragged = {one.over[0]: int(self.entries(case, case.steps)) for one in self.outputs if one.ragged}
         return {"node": nodes, "panel": nodes - 1, "component": 2} | own | ragged
 
     def totals(self, case: Case) -> dict[str, int]:
-        """Room along every ragged axis for all frames of a case."""
+        """Total length of every ragged axis over all frames of a case."""
         axes = {one.over[0] for one in self.outputs if one.ragged}
         steps = case.step_of(np.arange(case.frames())) if axes else 0
         return {axis: int(np.sum(self.entries(case, steps), dtype=np.int64)) for axis in axes}

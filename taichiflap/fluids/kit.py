@@ -1,4 +1,4 @@
-"""What a fluid model of one's own takes from this package, in one place."""
+"""All names that an external fluid model needs from this package."""
 
 import functools
 from typing import Any
@@ -43,13 +43,13 @@ __all__ = [
 
 
 def flow_of(prepare: Any, settle: Any, record: Any, record_step: Any = None, **arrays: np.ndarray) -> Flow:
-    """A batch whose arrays are one group, `flow`.
+    """Make a `Flow` whose arrays form one group, `flow`.
 
     Args:
         prepare, settle: `ti.func`s of `(body, flow, b, n, rule)`; see `Flow`.
-        record: a `ti.func` of `(flow, output, b, frame)`.
-        record_step: one of `(flow, output, b, row)`, for series.
-        arrays: doubles or integers with a leading case axis, as they are at rest.
+        record: `ti.func` of `(flow, output, b, frame)`, for fields.
+        record_step: `ti.func` of `(flow, output, b, row)`, for series.
+        arrays: initial values, floats or integers, with a leading case axis.
     """
     kinds = tuple((name, values.dtype.kind, values.ndim) for name, values in arrays.items())
     group = _group(kinds)
@@ -66,7 +66,7 @@ def _group(kinds: tuple[tuple[str, str, int], ...]) -> Any:
 
 @functools.cache
 def _unpacked(prepare: Any, settle: Any, record: Any, record_step: Any) -> tuple[Any, ...]:
-    """The functions as the march calls them, with the whole batch."""
+    """The functions with the arguments that the march passes."""
 
     @ti.func
     def prepare_batch(batch: View, b, n, rule):

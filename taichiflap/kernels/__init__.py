@@ -1,1 +1,1 @@
-"""The doorway to Taichi, and the arrays and eliminations that every kernel uses."""
+"""The interface to Taichi, and arrays and linear solvers for kernels."""

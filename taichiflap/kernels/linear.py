@@ -1,7 +1,7 @@
 """Dense linear systems inside kernels: Gaussian elimination in panels of eight columns.
 
 The matrix of a system of `n` unknowns is stored as `n` rows of ceil(n/8) octets, and its right-hand sides as octets
-behind them. A panel's eight pivot rows stay in registers while every row below passes once, not eight times.
+behind them. A panel's eight pivot rows stay in registers, so that every row below is read once instead of eight times.
 """
 
 import numpy as np
@@ -17,9 +17,9 @@ def octets(n: int) -> int:
 
 @ti.func
 def element(a: View, b, row, column):
-    """One matrix element, by way of its whole octet.
+    """One matrix element, read through its whole octet.
 
-    Taichi may keep an element read as `a[b, i, j][lane]` across a store to its octet; this it does not.
+    Taichi may keep a stale value of `a[b, i, j][lane]` after a store to its octet; this avoids it.
     """
     whole = a[b, row, column // 8]
     return whole[column % 8]
@@ -51,7 +51,7 @@ def solve(a: View, x: View, factor: View, b, n, columns):
 
 @ti.func
 def factorise(a: View, factor: View, b, n, panel, last):
-    """Eliminate within a panel of eight columns; `factor` keeps how much of each pivot row every row has given."""
+    """Eliminate within a panel of eight columns; `factor` stores the multiples of the pivot rows."""
     for k in range(8 * panel, ti.min(8 * panel + 8, n)):
         pivot_row = k
         largest = -1.0
@@ -79,7 +79,7 @@ def factorise(a: View, factor: View, b, n, panel, last):
 
 @ti.func
 def eliminate(a: View, factor: View, b, n, panel, j):
-    """Take a panel's pivot rows from block `j` of those below, all eight at a time."""
+    """Subtract a panel's pivot rows from block `j` of the rows below, all eight at once."""
     first = 8 * panel
     for i in range(first + 1, ti.min(first + 8, n)):
         row = a[b, i, j]
@@ -99,7 +99,7 @@ def eliminate(a: View, factor: View, b, n, panel, j):
 
 @ti.func
 def substitute(a: View, b, n, panel, j):
-    """Solve for a panel's unknowns in block `j` of the right-hand sides, and take them from the rows above."""
+    """Solve for a panel's unknowns in block `j` of the right-hand sides, and substitute them in the rows above."""
     first = 8 * panel
     held = ti.min(8, n - first)
     for m in range(held):
@@ -121,7 +121,7 @@ def substitute(a: View, b, n, panel, j):
 def solve_few(a: View, b, n):
     """Solve system `b` of a few unknowns in place: `a` is (systems, n, n + 1), the last column the right-hand side.
 
-    Without pivoting: a modal mass matrix is the identity plus the fluid's added mass, damping and stiffness.
+    No pivoting is needed: a modal mass matrix is the identity plus added mass, damping and stiffness of the fluid.
     """
     for k in range(n):
         for i in range(n):

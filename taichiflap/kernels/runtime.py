@@ -1,4 +1,4 @@
-"""The one doorway to Taichi: start-up, precision, threads, and quiet.
+"""The only interface to Taichi: start-up, precision, threads and output.
 
 Every kernel module takes `ti`, the array types and the parallel idiom from here, so that the backend
 (or a fork of it) can be changed in one place.
@@ -18,19 +18,19 @@ import numpy as np
 from ..errors import UserError
 from .taichi_patches import free_arrays, hasten
 
-# Taichi sends its version and a machine id to an outside host, and prints a banner, unless told not to.
+# Otherwise Taichi sends its version and a machine id to an outside host, and prints a banner.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 os.environ["ENABLE_TAICHI_HEADER_PRINT"] = "0"
-# Without a home it aborts when it is imported.
+# Taichi aborts on import without a home folder.
 _home = os.path.expanduser("~")
 os.environ.setdefault("HOME", _home if os.path.isabs(_home) else tempfile.gettempdir())
 
 LEAST_SPACE = 2**31
-"""Bytes of address space that Taichi and LLVM want; with fewer they end in a segmentation fault, or without a word."""
+"""Address space, in bytes, that Taichi and LLVM need; with less they crash, possibly without a message."""
 
 
 def _check_space() -> None:
-    """Refuse a limit of address space, as `ulimit -v` sets it, under which Taichi does not start."""
+    """Raise an error if the limit of address space (`ulimit -v`) is too low for Taichi."""
     try:
         import resource  # noqa: PLC0415 - not everywhere
     except ImportError:
@@ -38,14 +38,15 @@ def _check_space() -> None:
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit not in (resource.RLIM_INFINITY, -1) and limit < LEAST_SPACE:
         raise UserError(
-            f"the limit of address space is {limit / 2**30:.2g} GB (ulimit -v); a run needs {LEAST_SPACE >> 30} GB"
+            f"the limit of address space is {limit / 2**30:.2g} GB (ulimit -v) but a run needs {LEAST_SPACE >> 30} "
+            "GB; raise the limit"
         )
 
 
 _check_space()
 
 if TYPE_CHECKING:
-    # Taichi has no types: to the type checker its names, and what its decorators return, are `Any`.
+    # Taichi is untyped: for the type checker its names, and decorated functions, are `Any`.
     from typing import Any as Floats1
     from typing import Any as Floats2
     from typing import Any as Floats3
@@ -76,21 +77,21 @@ else:
 Octet: Any = ti.types.vector(8, ti.f64) if ti else None
 """Eight doubles: one AVX-512 register, the unit in which pair sums, eliminations and blade elements are written.
 
-To LLVM it stays one vector; taken apart, as by Taichi's default, it is not put together again where it is stored. The
-price is that Taichi 1.7 cannot negate an octet, nor take one from a variable by `-=`: write `u = u - x`."""
+It remains one vector in LLVM; with Taichi's default, vectors are split into scalars and stores are not vectorised. As a
+consequence Taichi 1.7 can neither negate an octet nor use `-=` with one: write `u = u - x`."""
 
 Sixteen: Any = ti.types.vector(16, ti.f32) if ti else None
-"""Sixteen numbers in single precision, for pair sums that need no more."""
+"""Sixteen numbers in single precision, for pair sums."""
 
 LANE = 512
 """Taichi runs a parallel loop of 512 iterations or fewer on one thread. Kernels therefore loop over
 `tasks * LANE` and let the first iteration of each lane do the lane's work."""
 
 CALL = "ti.init(arch=ti.cpu, default_fp=ti.f64, fast_math=False, real_matrix_scalarize=False)"
-"""How a host program initialises Taichi so that taichiflap can share it."""
+"""Call with which a host program must initialise Taichi to share it with taichiflap."""
 
 alone = threading.RLock()
-"""Held by whoever compiles or launches: Taichi takes one caller at a time."""
+"""Lock for compiling and launching: Taichi allows one caller at a time."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -100,19 +101,19 @@ _forked = False
 
 
 class ProgramError(UserError):
-    """Taichi cannot be had in this process: one sentence with the cause and the cure."""
+    """Raised if Taichi cannot be used in this process; one sentence with the cause and the cure."""
 
 
 def available_threads() -> int:
-    """Number of processors that this process may use."""
+    """Number of processors available to this process."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def check_threads(threads: int | None) -> None:
-    """Refuse a number of threads that is none.
+    """Raise an error for an invalid number of threads.
 
     Raises:
-        ProgramError: when it is no whole number, or below 1.
+        ProgramError: if it is not a whole number, or below 1.
     """
     if threads is None or (isinstance(threads, int | np.integer) and not isinstance(threads, bool) and threads >= 1):
         return
@@ -120,7 +121,7 @@ def check_threads(threads: int | None) -> None:
 
 
 def exclusive(work: Callable[P, R]) -> Callable[P, R]:
-    """A function that only one thread is in at a time."""
+    """Decorator that lets only one thread at a time into a function."""
 
     @functools.wraps(work)
     def one_at_a_time(*arguments: P.args, **named: P.kwargs) -> R:
@@ -131,20 +132,22 @@ def exclusive(work: Callable[P, R]) -> Callable[P, R]:
 
 
 def start() -> Any:
-    """Start Taichi on the CPU with strict IEEE double precision; later calls see that it still is so.
+    """Start Taichi on the CPU with strict IEEE double precision; later calls check that this still holds.
 
-    A program that the host started is shared if it computes alike, and never replaced: its fields would be lost.
+    A Taichi program started by the host is shared if its settings are compatible. It is never replaced, since its
+    fields would be lost.
 
     Returns:
         Taichi's runtime, for `check`.
 
     Raises:
-        ProgramError: when the host's program computes otherwise, or this process is the fork of one with a program.
+        ProgramError: if the host's program has incompatible settings, or this process was forked from one with a
+            program.
     """
     if _forked:
         raise ProgramError(
-            "this process was forked from one that had started Taichi, whose threads do not follow: start processes "
-            'by "spawn", for example multiprocessing.get_context("spawn")'
+            "this process was forked after Taichi had started, and its threads do not survive a fork: start processes "
+            'with "spawn", for example multiprocessing.get_context("spawn")'
         )
     with alone:
         if ti.lang.impl.get_runtime().prog is None:
@@ -163,17 +166,17 @@ def start() -> Any:
 
 
 def check(runtime: Any) -> None:
-    """See that Taichi's runtime is still the one in which a march has its arrays.
+    """Check that Taichi's runtime is still the one that owns a march's arrays.
 
     Raises:
-        ProgramError: when the host has initialised Taichi anew since `start`.
+        ProgramError: if the host has initialised Taichi again since `start`.
     """
     if ti.lang.impl.get_runtime() is not runtime:
-        raise ProgramError("ti.init or ti.reset was called during a run, and its arrays are lost: start the run again")
+        raise ProgramError("ti.init or ti.reset was called during a run, which deleted its arrays: start the run again")
 
 
 def _take(runtime: Any) -> None:
-    """Use a runtime, if its program computes as we need it. The program itself is not held: it must end with others."""
+    """Use a runtime if its program has compatible settings. No reference to the program is kept, so that it can end."""
     global _runtime  # noqa: PLW0603 - Taichi holds one program a process, and so do we
     if runtime is _runtime:
         return
@@ -181,17 +184,17 @@ def _take(runtime: Any) -> None:
     alike = config.arch == ti.cpu and config.default_fp == ti.f64 and config.default_ip == ti.i32
     if not alike or config.fast_math or config.real_matrix_scalarize:
         raise ProgramError(
-            "Taichi was initialised by other code in this process, otherwise than taichiflap needs it, and to do it "
-            f"again would destroy that code's fields: initialise it there by {CALL}, or run taichiflap in a process "
+            "Taichi was initialised by other code in this process with incompatible settings, and initialising it "
+            "again would destroy that code's fields: initialise it there with {CALL}, or run taichiflap in a process "
             "of its own"
         )
     try:
-        # Now, by the thread that made the program: the first kernel of another thread could not.
+        # Compile now, in the thread that made the program; the first kernel cannot be compiled in another thread.
         runtime.materialize()
     except RuntimeError:
         raise ProgramError(
-            "Taichi was initialised by another thread of this process, which has yet to launch its first kernel: let "
-            "it do so before taichiflap runs in this one"
+            "Taichi was initialised by another thread of this process, which has not launched a kernel yet: launch "
+            "one there before taichiflap runs in this thread"
         ) from None
     _runtime = runtime
 
@@ -207,16 +210,16 @@ if hasattr(os, "register_at_fork"):
 
 
 def _cache() -> dict[str, Any]:
-    """Where Taichi keeps machine code: in the user's own place, else in a temporary one; nowhere if both refuse.
+    """Cache folder of Taichi: the user's cache, or a temporary folder; empty if neither can be written.
 
-    Where it cannot write, Taichi 1.7 ends with a segmentation fault.
+    Taichi 1.7 crashes if it cannot write its cache.
     """
     own = os.environ.get("TI_OFFLINE_CACHE_FILE_PATH") or ti.lang.impl.default_cfg().offline_cache_file_path
     temporary = os.path.join(tempfile.gettempdir(), f"taichi-{getattr(os, 'getuid', int)()}")
     for place in (own, temporary):
         try:
             os.makedirs(place, mode=0o700, exist_ok=True)
-            # What another user has put there would run as ours.
+            # Code from another user must not be run.
             if place == own or (os.stat(place).st_mode & 0o022 == 0 and os.lstat(place).st_uid == os.getuid()):
                 tempfile.TemporaryFile(dir=place).close()
                 return {"offline_cache": True, "offline_cache_file_path": place}
@@ -227,10 +230,10 @@ def _cache() -> dict[str, Any]:
 
 @contextlib.contextmanager
 def passes(level: int | None) -> Iterator[None]:
-    """Taichi's own passes over the kernels that are compiled inside.
+    """Context that sets the level of Taichi's own optimisation of kernels.
 
-    Level 0 leaves out those whose time grows with the square of a kernel's length; LLVM optimises all the same. With
-    None they are as always.
+    Level 0 omits passes whose time grows with the square of a kernel's length; LLVM still optimises. None keeps the
+    default.
     """
     if level is None:
         yield
@@ -245,9 +248,9 @@ def passes(level: int | None) -> Iterator[None]:
 
 
 def tasks(cases: int, threads: int | None = None) -> int:
-    """Number of tasks among which a kernel deals out `cases`, so that at most `threads` of them run at once.
+    """Number of tasks into which a kernel divides `cases`, so that at most `threads` run at once.
 
-    With all threads allowed every case is a task of its own and the thread pool balances the load.
+    With all threads every case is one task, and the thread pool balances the load.
     """
     check_threads(threads)
     if threads is None or threads >= _runtime.prog.config().cpu_max_num_threads:
@@ -256,7 +259,7 @@ def tasks(cases: int, threads: int | None = None) -> int:
 
 
 class _Memory:
-    """The memory of a Taichi array, which it keeps alive, to NumPy."""
+    """NumPy interface to the memory of a Taichi array, which it keeps alive."""
 
     def __init__(self, array: Any) -> None:
         self.array = array
@@ -274,6 +277,6 @@ def view(array: Any) -> np.ndarray:
     Taichi's own `to_numpy` and `from_numpy` compile and launch a kernel for every type and rank.
     """
     with alone:
-        # Past `ti.sync`, which looks for fields that are still to be placed.
+        # Bypasses `ti.sync`, which looks for fields to be placed.
         ti.lang.impl.get_runtime().prog.synchronize()
         return np.asarray(_Memory(array))

@@ -1,8 +1,8 @@
-"""What Taichi 1.7 need not do for us: a quarter of the time to read kernels, a millisecond for every array; and how it
-frees arrays.
+"""Patches of Taichi 1.7 that skip unneeded work: a quarter of the time to read kernels, and a millisecond per array.
+They also fix how arrays are freed.
 
-What is left out serves messages about errors in kernels, or kernels inside classes; TAICHIFLAP_DEBUG=1 gives it back.
-None of it changes what is compiled.
+The skipped work serves error messages about kernels, and kernels inside classes; TAICHIFLAP_DEBUG=1 restores it. The
+compiled code is unchanged.
 """
 
 import ast
@@ -17,26 +17,26 @@ from typing import Any
 
 
 def hasten(taichi: Any) -> None:
-    """Call at once after `import taichi`, before any decorator."""
+    """Apply the patches; call directly after `import taichi`, before any decorator."""
     if os.environ.get("TAICHIFLAP_DEBUG"):
         return
     kernels = taichi.lang.kernel_impl
-    # It draws the source line of every node.
+    # Taichi formats the source line of every node.
     taichi.lang.ast.ast_transformer_utils.ASTTransformerContext.get_pos_info = _position
-    # At every decorator it reads the line of the frame around it; a class body is known by its name.
+    # At every decorator Taichi reads the line of the enclosing frame; a class body is recognised by its name.
     kernels._inside_class = _inside_class
-    # At every call of a function it searches all modules for its source.
+    # At every call of a function Taichi searches all modules for its source.
     kernels.getsourcefile = lambda function: function.__code__.co_filename
     kernels.getsourcelines = _source
-    # With every array it notes who has called for it.
+    # For every array Taichi records the caller.
     taichi.lang._ndarray.get_traceback = taichi.lang.matrix.get_traceback = lambda: ""
-    # It makes every group of arrays twice, each time with a class of its own, and those inside it once more.
+    # Taichi builds every group of arrays twice, each time with a new class, and nested groups once more.
     taichi.lang.argpack.ArgPack._register_members = _register_members
     taichi.lang.argpack.ArgPackType.cast = _cast(taichi)
 
 
 def _position(context: Any, node: Any) -> str:
-    """Where a node is, for the message about what is wrong there; nothing while all is well."""
+    """Source position of a node for error messages; empty without an error."""
     if sys.exc_info()[0] is None:
         return ""
     return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
@@ -49,13 +49,13 @@ def _register_members(group: Any) -> None:
 
 @functools.cache
 def _class_with(kind: Any, names: tuple[str, ...]) -> Any:
-    """The class of groups whose members have these names."""
+    """Class of groups with members of these names."""
     members = {name: property(kind._make_getter(name), kind._make_setter(name)) for name in names}
     return type(kind.__name__, (kind,), members)
 
 
 def _cast(taichi: Any) -> Callable[..., Any]:
-    """What gives a new group its types: nothing is to be done where all members are arrays, or groups of them."""
+    """Sets the types of a new group; nothing needs to be done if all members are arrays or groups of arrays."""
     cast = taichi.lang.argpack.ArgPackType.cast
     held = taichi.types.ndarray_type.NdarrayType, taichi.lang.argpack.ArgPackType
 
@@ -66,10 +66,10 @@ def _cast(taichi: Any) -> Callable[..., Any]:
 
 
 def free_arrays(taichi: Any) -> None:
-    """Free an array, or a group of them, in the program that made it, and in no other.
+    """Free an array or a group only in the program that made it.
 
-    Taichi frees no array of vectors: a study would grow with every batch. Others it frees in whichever program there is
-    when they are collected, and after a `ti.init` that may be memory of somebody's fields.
+    Taichi never frees arrays of vectors, so that memory would grow with every batch. It frees others in the current
+    program, which after a `ti.init` may own that memory for other fields.
     """
     numbers, vectors = taichi.lang._ndarray.ScalarNdarray, taichi.lang.matrix.VectorNdarray
     vectors.__del__ = numbers.__del__
@@ -78,7 +78,7 @@ def free_arrays(taichi: Any) -> None:
 
 
 def _tie(kind: Any, runtime: Callable[[], Any]) -> None:
-    """Let objects of a kind remember the runtime that made them, and be freed in that one alone."""
+    """Make objects of a class remember the runtime that made them, and free them only there."""
     make, free = kind.__init__, kind.__del__
 
     @functools.wraps(make)
@@ -94,7 +94,7 @@ def _tie(kind: Any, runtime: Callable[[], Any]) -> None:
 
 
 def _inside_class(level_of_class_stackframe: int) -> bool:
-    # Around a function of a script there are not so many frames.
+    # A function of a script has fewer frames around it.
     with contextlib.suppress(ValueError):
         return "__qualname__" in sys._getframe(level_of_class_stackframe).f_locals
     return False
@@ -102,7 +102,7 @@ def _inside_class(level_of_class_stackframe: int) -> bool:
 
 @functools.cache
 def _source(function: Callable[..., Any]) -> tuple[list[str], int]:
-    """Lines of a function, and the number of the first, as `inspect.getsourcelines` gives them."""
+    """Lines of a function and the number of the first, like `inspect.getsourcelines`."""
     first = function.__code__.co_firstlineno
     last = _ends(function.__code__.co_filename).get(first)
     if last is None:

@@ -1,4 +1,4 @@
-"""The map file: many cases of a study and what came of each."""
+"""The map file: many cases of a study and their metrics."""
 
 from ..doors import lazy
 

@@ -1,4 +1,4 @@
-"""Which cases a study runs: a grid of values, or a sample of ranges, over any keys of the case file."""
+"""The cases of a study: a grid of values, or a sample of ranges, over any keys of the case file."""
 
 import json
 import math
@@ -14,27 +14,27 @@ from ..case.messages import holds_whole
 from ..errors import UserError
 
 EDGE = 0.02
-"""Share of a range that counts as its edge."""
+"""Share of a range that counts as its end."""
 MOST_CASES = 10_000_000
-"""Cases of one design: their metrics alone are gigabytes."""
+"""Maximum number of cases of a design; their metrics alone are gigabytes."""
 
 Value = float | int | str
 
 
 class DesignError(UserError):
-    """A design that cannot be run: one sentence with the option, what is wrong with it, and the cure."""
+    """Raised for an invalid design; one sentence with the option, the problem and the cure."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A key of the case file and the values that it takes; those that are no numbers are text as `--set` takes it."""
+    """A key of the case file and its values; values other than numbers are text as for `--set`."""
 
     key: str
     values: tuple[Value, ...]
 
     @property
     def numeric(self) -> bool:
-        """Whether the values are numbers, an axis of a chart."""
+        """Whether the values are numbers, which can form the axis of a chart."""
         return not any(isinstance(value, str) for value in self.values)
 
 
@@ -43,8 +43,8 @@ class Design:
     """The cases of a study, numbered in C order.
 
     Attributes:
-        axes: the keys that vary, and their values.
-        grid: every combination of values if true; otherwise the first values together, the second values, ...
+        axes: varied keys and their values.
+        grid: if true, every combination of values; otherwise the first values together, the second values together, ...
     """
 
     axes: tuple[Axis, ...]
@@ -52,7 +52,7 @@ class Design:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values along each dimension of a map: one a key for a grid, one in all for a sample."""
+        """Shape of the map: one dimension per key for a grid, one dimension for a sample."""
         counts = tuple(len(axis.values) for axis in self.axes)
         return counts if self.grid else counts[:1]
 
@@ -62,25 +62,25 @@ class Design:
         return math.prod(self.shape)
 
     def point(self, number: int) -> dict[str, Value]:
-        """The values of case `number`, by key."""
+        """Values of case `number`, by key."""
         places = np.unravel_index(number, self.shape)
         chosen = places if self.grid else [places[0]] * len(self.axes)
         return {axis.key: axis.values[int(i)] for axis, i in zip(self.axes, chosen, strict=True)}
 
     def settings(self, number: int) -> list[str]:
-        """What makes the base case into case `number`, as `--set` takes it."""
+        """Settings that turn the base case into case `number`, as for `--set`."""
         return [f"{key}={value}" for key, value in self.point(number).items()]
 
     def case(self, base: Case, number: int) -> Case:
-        """Case `number`: the base case with the values of this point.
+        """Case `number`: the base case with its values.
 
         Raises:
-            CaseError: when these values do not go together.
+            CaseError: if the values are not compatible.
         """
         return _changed(base, self.point(number), ", ".join(self.settings(number)))
 
     def check(self, case: Case) -> None:
-        """Check every key, and the ends of its range, before anything runs.
+        """Check every key and the ends of its range before the first run.
 
         Raises:
             CaseError: for an unknown key, or a value that it cannot take.
@@ -89,7 +89,7 @@ class Design:
             pass
 
     def examples(self, base: Case) -> Iterator[Case]:
-        """Cases with every key at the ends of its range, or at each of its values that are no numbers, in turn.
+        """Cases with each key in turn at the ends of its range, or at each of its non-numeric values.
 
         Raises:
             CaseError: for an unknown key, or a value that it cannot take.
@@ -105,17 +105,17 @@ def design(case: Case, vary: Mapping[str, Any], sample: str | None = None, seed:
     """The design that varies some keys of a case.
 
     Args:
-        vary: for each key `"a:b:n"` or `"a:b:n:log"`, n values from a to b; `"v1,v2,..."` or a list, these values;
-            with `sample` `"a:b"` or `"a:b:log"`, a range. Keys that hold whole numbers get whole numbers.
+        vary: for each key n values from a to b, `"a:b:n"` or `"a:b:n:log"`; or a list of values, `"v1,v2,..."`; or with
+            `sample` a range, `"a:b"` or `"a:b:log"`. Integer keys get whole numbers.
         sample: `"sobol:N"` (scrambled, N a power of two) or `"lhs:N"`, a Latin hypercube; the full grid if None.
-        seed: of the sample.
+        seed: seed of the sample.
 
     Raises:
-        DesignError: for a range or a list that cannot be, or too many cases.
+        DesignError: for an invalid range or list, or too many cases.
         CaseError: for an unknown key, or a value that it cannot take.
     """
     if not vary:
-        raise DesignError("nothing varies: give --vary KEY=a:b:n at least once")
+        raise DesignError("no key varies; give --vary KEY=a:b:n at least once")
     document = case.to_dict()
     specs = {key: Spread.read(key, spec, document) for key, spec in vary.items()}
     if sample is None:
@@ -125,7 +125,7 @@ def design(case: Case, vary: Mapping[str, Any], sample: str | None = None, seed:
         axes = tuple(Axis(key, spec.at(column)) for (key, spec), column in zip(specs.items(), unit.T, strict=True))
     made = Design(axes, grid=sample is None)
     if made.size > MOST_CASES:
-        raise DesignError(f"--vary: {made.size:,} cases; at most {MOST_CASES:,} in one design")
+        raise DesignError(f"--vary: {made.size:,} cases; the limit is {MOST_CASES:,} per design")
     made.check(case)
     return made
 
@@ -134,7 +134,7 @@ def read_vary(options: Sequence[str]) -> dict[str, str]:
     """`KEY=SPEC` options as a dictionary.
 
     Raises:
-        DesignError: for an option without a key or a value, or a key given twice.
+        DesignError: for an option without key or value, or a repeated key.
     """
     vary: dict[str, str] = {}
     for option in options:
@@ -142,14 +142,14 @@ def read_vary(options: Sequence[str]) -> dict[str, str]:
         if not equals or not key or not spec:
             raise DesignError(f"--vary {option}: write KEY=a:b:n, KEY=a:b:n:log or KEY=v1,v2,...")
         if key in vary:
-            raise DesignError(f"--vary {option}: {key} varies already; give all of its values at once")
+            raise DesignError(f"--vary {option}: {key} is given twice; give all its values in one option")
         vary[key] = spec
     return vary
 
 
 @dataclass(frozen=True)
 class Spread:
-    """What `--vary` says of one key: a list of values, or a range, over which `at` spreads the unit interval."""
+    """Specification of one key in `--vary`: a list of values, or a range to which `at` maps the unit interval."""
 
     label: str
     listed: tuple[Value, ...] = ()
@@ -161,10 +161,10 @@ class Spread:
 
     @classmethod
     def read(cls, key: str, spec: Any, document: Mapping[str, Any]) -> "Spread":
-        """Read the specification of a key; `document` is the base case as nested dictionaries.
+        """Parse the specification of a key; `document` is the base case as nested dictionaries.
 
         Raises:
-            DesignError: when it cannot be.
+            DesignError: if it is invalid.
         """
         label = f"--vary {key}={spec}" if isinstance(spec, str) else f"vary {key}"
         held = _held(document, key)
@@ -182,7 +182,7 @@ class Spread:
         elif isinstance(held, float) or any(isinstance(value, float) for value in values):
             values = tuple(float(value) for value in values)
         if len(set(values)) < len(values):
-            raise DesignError(f"{label}: a value is there twice")
+            raise DesignError(f"{label}: a value is repeated")
         return cls(label, listed=values)
 
     @classmethod
@@ -193,33 +193,33 @@ class Spread:
             low, high, *rest = (float(part) for part in numbers)
             count = int(numbers[2]) if rest else 0
         except ValueError:
-            raise DesignError(f"{label}: write a:b:n or a:b:n:log with plain numbers, n whole") from None
+            raise DesignError(f"{label}: write a:b:n or a:b:n:log with plain numbers and a whole number n") from None
         if len(rest) > 1 or not (math.isfinite(low) and math.isfinite(high)):
             raise DesignError(f"{label}: write a:b:n or a:b:n:log with finite numbers")
         if low == high:
-            raise DesignError(f"{label}: an empty range; give two different ends, or the value alone")
+            raise DesignError(f"{label}: the range is empty; give two different ends, or a single value")
         if rest and count < 2:
-            raise DesignError(f"{label}: {count} values; a range has at least 2")
+            raise DesignError(f"{label}: {count} values; give at least 2")
         if count > MOST_CASES:
-            raise DesignError(f"{label}: {count:,} values; at most {MOST_CASES:,} cases in one design")
+            raise DesignError(f"{label}: {count:,} values; the limit is {MOST_CASES:,} cases per design")
         if log and min(low, high) <= 0:
-            raise DesignError(f"{label}: a log range has both ends above zero")
+            raise DesignError(f"{label}: both ends of a log range must be above zero")
         return cls(label, low=low, high=high, count=count, log=log, whole=whole)
 
     def values(self) -> tuple[Value, ...]:
-        """The values along a grid."""
+        """Values along a grid."""
         if self.listed:
             return self.listed
         if not self.count:
-            raise DesignError(f"{self.label}: how many values? Write a:b:n, or add --sample sobol:256")
+            raise DesignError(f"{self.label}: the number of values is missing; write a:b:n, or add --sample sobol:256")
         space = np.geomspace if self.log else np.linspace
         values = self._typed(space(self.low, self.high, self.count))
         if len(set(values)) < len(values):
-            raise DesignError(f"{self.label}: more values than there are whole numbers in the range")
+            raise DesignError(f"{self.label}: the range has fewer whole numbers than values")
         return values
 
     def at_edge(self, value: Value) -> bool:
-        """Whether a value is as good as at an end of the range; a list has none."""
+        """Whether a value is at an end of the range; always false for a list."""
         if self.listed:
             return False
         scale = math.log if self.log else float
@@ -227,11 +227,11 @@ class Spread:
         return min(abs(here - low), abs(high - here)) <= EDGE * abs(high - low)
 
     def at(self, unit: np.ndarray) -> tuple[Value, ...]:
-        """The values at points of the unit interval, shape (points,)."""
+        """Values at points of the unit interval, shape (points,)."""
         if self.listed:
             return tuple(self.listed[min(int(u * len(self.listed)), len(self.listed) - 1)] for u in unit)
         if self.count:
-            raise DesignError(f"{self.label}: give the range alone here, a:b or a:b:log")
+            raise DesignError(f"{self.label}: give only the range, a:b or a:b:log")
         if self.log:
             return self._typed(self.low * (self.high / self.low) ** unit)
         return self._typed(self.low + (self.high - self.low) * unit)
@@ -249,13 +249,13 @@ def _unit_points(sample: str, dimensions: int, seed: int) -> np.ndarray:
     if kind not in ("sobol", "lhs") or count < 1:
         raise DesignError(f"--sample {sample}: write sobol:N or lhs:N, for example sobol:256")
     if count > MOST_CASES:
-        raise DesignError(f"--sample {sample}: at most {MOST_CASES:,} cases in one design")
+        raise DesignError(f"--sample {sample}: the limit is {MOST_CASES:,} cases per design")
     if kind == "lhs":
         return qmc.LatinHypercube(dimensions, seed=seed).random(count)
     power = count.bit_length() - 1
     if count != 2**power:
         near = f"{2**power} or {2 ** (power + 1)}"
-        raise DesignError(f"--sample {sample}: Sobol points come in powers of two; take {near}")
+        raise DesignError(f"--sample {sample}: the number of Sobol points must be a power of two; use {near}")
     return qmc.Sobol(dimensions, seed=seed).random_base2(power)
 
 
@@ -264,7 +264,7 @@ def _changed(base: Case, point: Mapping[str, Value], source: str) -> Case:
 
 
 def _held(document: Mapping[str, Any], key: str) -> Any:
-    """What the base case has under a dotted key, or None."""
+    """Value of a dotted key in the base case, or None."""
     value: Any = document
     for name in key.split("."):
         value = value.get(name) if isinstance(value, Mapping) else None
@@ -283,13 +283,13 @@ def _listed(label: str, text: str) -> tuple[Value, ...]:
 
 
 def _plain(label: str, value: Any) -> Value:
-    """A number as it is; anything else as text that `--set` reads back to the same."""
+    """Numbers unchanged; other values as text that `--set` reads back."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, bool | str | list | tuple):
         return json.dumps(value) if not isinstance(value, str) or not _bare(value) else value
     if not isinstance(value, int | float) or not math.isfinite(value):
-        raise DesignError(f"{label}: {value!r} is not a number, true, false, text or a list")
+        raise DesignError(f"{label}: {value!r} is not a number, true, false, text or list")
     return value
 
 

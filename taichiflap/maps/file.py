@@ -1,8 +1,8 @@
-"""The map file: what came of every case of a design, in HDF5 that xarray and netCDF4 open as they are.
+"""The map file: metrics of every case of a design, in HDF5 that xarray and netCDF4 can open.
 
-While it is filled it is kept in memory and written anew after every batch, under another name first: a crash or a full
-disk at any moment costs no more than the batch that was running. A map that is large for that is filled in place, the
-numbers before the status that vouches for them.
+During a study the map is kept in memory and rewritten after every batch, first under another name, so that a crash or a
+full disk costs at most the current batch. A large map is filled in place, values first and then the status that marks
+them as valid.
 """
 
 import contextlib
@@ -35,29 +35,29 @@ ATTRIBUTES = (
     "Conventions", "title", "source", "history", "taichiflap_map", "case", "keys", "grid", "metrics", "series",
     "state", "coordinates",
 )  # fmt: skip
-"""What a map says about itself."""
+"""Text attributes of a map."""
 
 
 MOST_IMAGE = 2**26
-"""Bytes of a map that is written anew as a whole."""
+"""Maximum size of a map that is rewritten as a whole, bytes."""
 SPARE = 2**22
-"""Bytes of the disk that are left alone when a map is filled in place, besides what is to be written."""
+"""Disk space, in bytes, that must remain free when a map is filled in place."""
 
 
 class MapError(UserError):
-    """A map file that cannot be read or written: one sentence with the path and the cause."""
+    """Raised for a map file that cannot be read or written; one sentence with the path and the cause."""
 
 
 class Map:
-    """A map, open: `numbers` name cases of its design in C order.
+    """An open map. Its methods take numbers of cases in C order.
 
     Attributes:
         case: the base case.
-        design: which cases the map is of.
+        design: the cases of the map.
         metrics: names of the metrics.
-        keeps_series: whether it holds time series too.
-        title: what it is.
-        version: of the taichiflap that began it.
+        keeps_series: whether it contains time series.
+        title: its title.
+        version: version of taichiflap that created it.
     """
 
     def __init__(self, file: Any, path: Path | None, lock: Lock | None = None) -> None:
@@ -66,7 +66,7 @@ class Map:
         try:
             self.case = layout.read_case(file, str(path))
         except CaseError as error:
-            raise MapError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
+            raise MapError(f"{path}: its case is invalid: {error.problems[0]}") from None
         self.design = layout.read_design(file)
         self.metrics = integrity.attribute(file, "metrics").split()
         self.keeps_series = bool(integrity.attribute(file, "series"))
@@ -80,7 +80,7 @@ class Map:
         self.close()
 
     def close(self) -> None:
-        """Close the file; what is not saved is lost, as a map in memory is."""
+        """Close the file. Unsaved data and maps in memory are lost."""
         self.file.close()
         if self._guard:
             self._guard.close()
@@ -103,7 +103,7 @@ class Map:
         return np.flatnonzero(self.status == TO_DO)
 
     def values(self, metric: str) -> np.ndarray:
-        """A metric over the map, shape `design.shape`; not-a-number where it has none."""
+        """A metric over the map, shape `design.shape`; NaN where undefined."""
         return self.file[metric][...]
 
     def units(self, name: str) -> str:
@@ -111,7 +111,7 @@ class Map:
         return str(self._words(name).get("units", ""))
 
     def outcomes(self, numbers: Sequence[int]) -> list[Outcome | None]:
-        """For each of some cases its metrics, or why it has none; None if it has yet to run."""
+        """Outcome of each of the given cases: its metrics or the reason of its failure; None if it has not run."""
         status = self.status
         columns = {name: self.values(name).ravel() for name in self.metrics}
         found: list[Outcome | None] = []
@@ -132,10 +132,10 @@ class Map:
             raise MapError(f"{self.path}: damaged: the reason of a failed case cannot be read") from None
 
     def record(self, numbers: Sequence[int], outcomes: Sequence[Outcome]) -> None:
-        """Store what came of some cases, and flush it to the disk.
+        """Store the outcomes of some cases, and write them to the disk.
 
         Raises:
-            MapError: when the disk refuses; the cases before are safe.
+            MapError: if it cannot be written; earlier cases are safe.
         """
         places = np.stack(np.unravel_index(np.asarray(numbers), self.design.shape), axis=1)
         statuses = [FAILED if outcome.reason else COMPLETE for outcome in outcomes]
@@ -179,7 +179,7 @@ class Map:
         self.save()
 
     def note(self, texts: Mapping[str, str]) -> None:
-        """Keep texts with the map.
+        """Store text attributes with the map.
 
         Raises:
             MapError: when the disk refuses.
@@ -188,10 +188,10 @@ class Map:
         self.save()
 
     def save(self) -> None:
-        """Put the map as it is on the disk.
+        """Write the map to the disk.
 
         Raises:
-            MapError: when the disk refuses; what it holds already stays.
+            MapError: if it cannot be written; the existing file remains.
         """
         if self.path is None:
             return
@@ -213,7 +213,7 @@ class Map:
             self._fill_in_place()
 
     def _fill_in_place(self) -> None:
-        """Go on in the file itself."""
+        """Continue in the file itself."""
         assert self.path is not None
         self.file.close()
         try:
@@ -223,19 +223,19 @@ class Map:
         self.file = h5py.File(self._guard, "r+", libver=hdf.VERSION)
 
     def _check_room(self, outcomes: Sequence[Outcome]) -> None:
-        """Refuse what the disk has no room for before HDF5 has begun with it."""
+        """Raise an error if the disk has too little space, before HDF5 starts to write."""
         if self._guard is None or self.path is None:
             return
         series = sum(values.nbytes for outcome in outcomes for values in outcome.series.values())
         free = shutil.disk_usage(self.path.parent).free
         if free < SPARE + series + 8 * len(outcomes) * (len(self.metrics) + hdf.REASON_BYTES):
-            raise MapError(f"{self.path}: cannot be written: the disk has {free / 1e6:.3g} MB free")
+            raise MapError(f"{self.path}: cannot be written: only {free / 1e6:.3g} MB are free on the disk")
 
     def to_xarray(self) -> Any:
         """The map as an `xarray.Dataset` in memory, with named coordinates and units.
 
         Raises:
-            MapError: when xarray is not installed.
+            MapError: if xarray is not installed.
         """
         xarray = extra("xarray", "xarray", "an xarray.Dataset needs xarray", MapError)
         axes = layout.dimensions(self.design)
@@ -270,12 +270,12 @@ def create(
     series: bool = False,
     title: str = "",
 ) -> Map:
-    """A new map with all cases to do; in memory if `path` is None. An existing file is replaced.
+    """Create a map with no cases run yet; in memory if `path` is None. An existing file is replaced.
 
-    It gets its name when it is laid out, so that a crash leaves a map or none.
+    The file gets its name only after its layout is complete.
 
     Raises:
-        MapError: when the file cannot be created.
+        MapError: if the file cannot be created.
     """
     if path is None:
         file = hdf.create(f"map in memory {time.monotonic_ns()}", driver="core", backing_store=False)
@@ -295,10 +295,10 @@ def create(
 
 
 def open_map(path: str | Path, *, write: bool = False) -> Map:
-    """Open a map file, complete or not; with `write` to add what is missing.
+    """Open a map file, complete or partial; with `write` missing cases can be added.
 
     Raises:
-        MapError: when it is missing, damaged, of another kind, of a newer version, or being written by another.
+        MapError: if it is missing, damaged, not a map, of a newer version, or being written by another process.
     """
     path = Path(path)
     refuse_devices(path, MapError)
@@ -327,7 +327,7 @@ def _opened(path: Path, lock: Lock | None) -> Map:
         raise MapError(f"{path}: not a readable map: {first_line(error)}") from None
     try:
         if "taichiflap_map" not in file.attrs:
-            raise MapError(f"{path}: an HDF5 file, but not a map of taichiflap")
+            raise MapError(f"{path}: this HDF5 file is not a taichiflap map")
         version = integrity.attribute(file, "taichiflap_map")
         if version > layout.FORMAT:
             raise MapError(f"{path}: written by a newer taichiflap (format {version}, this one reads {layout.FORMAT})")
@@ -342,7 +342,7 @@ def _opened(path: Path, lock: Lock | None) -> Map:
 
 
 def is_map(path: Path) -> bool:
-    """Whether a file is a map, and not a result."""
+    """Whether a file is a map instead of a result."""
     try:
         refuse_devices(Path(path), MapError)
         with h5py.File(path, "r", locking=False) as file:
@@ -352,7 +352,7 @@ def is_map(path: Path) -> bool:
 
 
 def _check_place(path: Path) -> None:
-    """Refuse what cannot be a file; what is to be replaced need not be a map."""
+    """Raise an error if a map cannot be created at a path. A file to be replaced may be of any kind."""
     if why := disk.trouble(path):
         raise MapError(f"{path}: {why}")
     if path.is_dir():

@@ -1,4 +1,4 @@
-"""What a map's keys and metrics are called in pictures, and the units that they are drawn in."""
+"""Labels and display units of a map's keys and metrics in figures."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ SCALES = {
     "Pa": (1e-9, "GPa"),
     "1": (1.0, ""),
 }
-"""What a unit is drawn in: factor and name."""
+"""Display units: factor and name."""
 LABELS = {
     "force_vertical_mean": "Mean vertical force",
     "lift_mean": "Mean lift",
@@ -39,48 +39,48 @@ GROUPS = {
     "Forces": ("force", "lift", "thrust", "drag", "moment"),
     "Bending": ("tip_",),
 }
-"""Groups of metrics, and words in the names of their members: the first that fits counts."""
+"""Groups of metrics, and words in the names of their members; the first match counts."""
 KEY, OTHER = "Key", "Other"
 
 
 def group(name: str) -> str:
-    """The group that a key or a metric belongs to."""
+    """Group of a key or a metric."""
     if "." in name or name == "solver":
         return KEY
     return next((one for one, words in GROUPS.items() if any(word in name for word in words)), OTHER)
 
 
 def grouped(names: Sequence[str], sheet: Map) -> dict[str, str]:
-    """Keys and metrics by what a menu calls them, "group: name (unit)", group by group."""
+    """Keys and metrics by their menu label, "group: name (unit)", sorted by group."""
     order = (KEY, *reversed(GROUPS), OTHER)
     found = sorted(names, key=lambda name: order.index(group(name)))
     return {f"{group(name)}: {named(name, sheet)}": name for name in found}
 
 
 def model(sheet: Map) -> str:
-    """The fluid model of all cases of a map; nothing if it varies."""
+    """Fluid model of all cases of a map; empty if it varies."""
     return "" if any(axis.key == "solver" for axis in sheet.design.axes) else sheet.case.model
 
 
 def named(name: str, sheet: Map) -> str:
-    """A key or a metric of a map with its unit, as an axis bears it."""
+    """Axis label of a key or a metric, with its unit."""
     units = sheet.units(name)
     unit = SCALES.get(units, (1.0, units))[1]
     return f"{label(name)} ({unit})" if unit else label(name)
 
 
 def factor_of(sheet: Map, name: str) -> float:
-    """From SI to the unit that a key or a metric is drawn in."""
+    """Factor from SI to the display unit of a key or a metric."""
     return SCALES.get(sheet.units(name), (1.0, ""))[0]
 
 
 def label(name: str) -> str:
-    """A key or a metric in words."""
+    """Name of a key or a metric in words."""
     return LABELS.get(name, name if "." in name else name.replace("_", " "))
 
 
 def is_log(axis: Axis) -> bool:
-    """Whether values are better drawn by their logarithm: evenly spaced in it, or over more than a decade."""
+    """Whether values suit a logarithmic axis: evenly spaced in logarithm, or over more than a decade."""
     values = np.sort(np.array(axis.values, dtype=float))
     if values[0] <= 0:
         return False

@@ -1,4 +1,4 @@
-"""How a map lies in HDF5: room for every case, laid out before the first one runs, as xarray and netCDF4 know it."""
+"""Layout of a map in HDF5, readable by xarray and netCDF4: space for every case is allocated before the first run."""
 
 import json
 import math
@@ -26,7 +26,7 @@ SAMPLE_CHUNK = 1024
 
 
 def lay_out(file: Any, case: Case, design: Design, metrics: Mapping[str, Variable], series: bool, title: str) -> None:
-    """Make an empty file a map with all cases to do."""
+    """Lay out an empty map with no cases run yet."""
     now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
     keys = " ".join(axis.key for axis in design.axes)
     hdf.note(
@@ -52,17 +52,17 @@ def lay_out(file: Any, case: Case, design: Design, metrics: Mapping[str, Variabl
     statuses = file.create_dataset("status", **_room(design, "i1", TO_DO))
     statuses.attrs["flag_values"] = FLAGS
     hdf.note(statuses, {"flag_meanings": "to_do complete failed"})
-    _describe(file, statuses, Variable((), "", "what came of the case"), dimensions(design))
-    # Without a fill value of its own: netCDF4 damages its memory when it reads that of a text.
+    _describe(file, statuses, Variable((), "", "status of the case"), dimensions(design))
+    # Without a fill value, since netCDF4 corrupts its memory when it reads that of a text.
     reasons = file.create_dataset("reason", **_room(design, hdf.text_type(hdf.REASON_BYTES), None))
-    _describe(file, reasons, Variable((), "", "why a failed case has no metrics"), dimensions(design))
+    _describe(file, reasons, Variable((), "", "reason why the case failed"), dimensions(design))
     for name, variable in metrics.items():
         _describe(file, file.create_dataset(name, **_room(design, "f8", np.nan)), variable, dimensions(design))
     file.flush()
 
 
 def series_of(file: Any, design: Design, name: str, frames: int) -> Any:
-    """The dataset of a time series, with room for at least so many frames of every case."""
+    """Dataset of a time series, with space for at least a number of frames of every case."""
     shape = design.shape
     if FRAME not in file:
         axis = file.create_dataset(FRAME, (0,), "f4", maxshape=(None,), chunks=(1024,))
@@ -84,10 +84,10 @@ def series_of(file: Any, design: Design, name: str, frames: int) -> Any:
 
 
 def check(file: Any) -> None:
-    """Refuse a file that a reader could trip over.
+    """Raise an error for a file that is not a valid map.
 
     Raises:
-        DamageError: when something is missing, cut off, elsewhere or of an impossible size.
+        DamageError: if something is missing, truncated, stored elsewhere or of an invalid size.
     """
     said = {name: integrity.attribute(file, name) for name in ("title", "source", "keys", "metrics", "grid", "series")}
     keys, grid = said["keys"].split(), bool(said["grid"])
@@ -110,16 +110,16 @@ def read_case(file: Any, source: str) -> Case:
     """The base case.
 
     Raises:
-        CaseError: when it is no longer valid.
+        CaseError: if it is no longer valid.
     """
     return held_case(integrity.attribute(file, "case"), source)
 
 
 def read_design(file: Any) -> Design:
-    """The design of a file that has been checked.
+    """Design of a checked file.
 
     Raises:
-        DamageError: when an axis of texts has other labels than entries.
+        DamageError: if an axis of text has labels that do not match its entries.
     """
     keys = integrity.attribute(file, "keys").split()
     axes = tuple(Axis(key, tuple(_axis_values(key, file[key]))) for key in keys)
@@ -136,7 +136,7 @@ def _axis_values(key: str, dataset: Any) -> list[Any]:
         or len(labels) != len(dataset)
         or not all(isinstance(one, str) and one.isprintable() for one in labels)
     ):
-        raise DamageError(f"{key} has other labels than entries")
+        raise DamageError(f"labels of {key} do not match its entries")
     return labels
 
 
@@ -146,7 +146,7 @@ def dimensions(design: Design) -> tuple[str, ...]:
 
 
 def scatter(dataset: Any, places: np.ndarray, values: Sequence[float]) -> None:
-    """Write single points in one call; h5py's own indexing takes one a call."""
+    """Write single points in one call; h5py's indexing needs one call per point."""
     space = dataset.id.get_space()
     space.select_elements(places.astype(np.uint64))
     dataset.id.write(h5py.h5s.create_simple((len(values),)), space, np.array(values, dataset.dtype))
@@ -168,7 +168,7 @@ def _lay_axis(file: Any, axis: Axis, grid: bool) -> None:
     else:
         dataset.dims[0].attach_scale(file[SAMPLE])
     units, text = key_units(axis.key, Case)
-    # The entries that are texts are for other programs, as they know them: what is read back is of a fixed length.
+    # Text entries are for other programs; our reader uses those of fixed length.
     labels = "" if axis.numeric else json.dumps(axis.values)
     words = (("units", units), ("long_name", text), ("labels", labels))
     hdf.note(dataset, {name: value for name, value in words if value})

@@ -1,4 +1,4 @@
-"""Why a case stopped before its end: what ran away, when, from what, and what helps, or is likely to."""
+"""Why a case diverged: what diverged, when, and what may help."""
 
 import math
 from collections.abc import Sequence
@@ -13,11 +13,11 @@ from ..structure.beam import Modes
 from ..structure.chordwise import Profile
 
 RUNAWAY = 10.0
-"""Deflection, in chords, that no mode may reach alone: a linear beam bends by a fraction of one."""
+"""Maximum deflection, in chords, due to a single mode; a linear beam is valid only for a fraction of a chord."""
 
 
 def limits(section: Modes) -> NDArray[np.float64]:
-    """Amplitude of every mode at which a case stops: the one that moves some point by `RUNAWAY` chords."""
+    """Amplitude of every mode at which a case counts as diverged: it deflects some point by `RUNAWAY` chords."""
     shape = section.shape(np.linspace(0.0, section.chord, 65))
     return RUNAWAY * section.chord / np.abs(shape).max(axis=1, initial=0.0)
 
@@ -31,26 +31,28 @@ def reason(
     of_fluid: Sequence[str] = (),
     finer_helps: bool | None = None,
 ) -> str:
-    """One sentence on a case that stopped.
+    """One sentence on a diverged case.
 
     Args:
-        of_fluid: what of the fluid model's own settings may help.
-        step: the step at which it stopped.
+        of_fluid: settings of the fluid model that may help.
+        step: step at which it diverged.
         now, before: modal amplitudes at that step and at the one before, shape (modes,).
-        finer_helps: whether twice the steps get further, as a trial has shown; None if there was none.
+        finer_helps: whether a trial with twice the steps ran further; None without a trial.
     """
     when = f"at step {step} (t = {step * case.step:.4g} s, beat {int(step // case.steps_per_beat) + 1})"
     tip = section.shape([case.wing.chord])[:, 0]
     if section.count and np.isfinite(now).all() and np.any(np.abs(now) > limits(section)):
-        what = f"the deflection ran away {when}, to {_chords(float(tip @ now), case)}"
+        what = f"the deflection diverged {when}, to {_chords(float(tip @ now), case)}"
     else:
-        what = f"the forces ceased to be finite {when}"
-    size = f"; one step earlier the trailing edge stood {_chords(float(tip @ before), case)} from the chord"
+        what = f"the forces became infinite or undefined {when}"
+    size = f"; one step earlier the tip deflection was {_chords(float(tip @ before), case)}"
     cures = _cures(case, section, of_fluid)
     if finer_helps:
-        return f"{what}{size if section.count else ''}. Twice the steps get through: give {_finer(case)}"
-    tried = "" if finer_helps is None else ". Twice the steps do not get further"
-    helpful = f". Likely to help: {'; '.join(cures)}" if cures else ""
+        return (
+            f"{what}{size if section.count else ''}. A trial with twice the steps did not diverge: use {_finer(case)}"
+        )
+    tried = "" if finer_helps is None else ". A trial with twice the steps diverged as well"
+    helpful = f". May help: {'; '.join(cures)}" if cures else ""
     return f"{what}{size if section.count else ''}{tried}{helpful}"
 
 
@@ -65,7 +67,7 @@ def _chords(deflection: float, case: Case) -> str:
 
 
 def _cures(case: Case, section: Modes, of_fluid: Sequence[str]) -> list[str]:
-    """What may help, the likeliest first."""
+    """What may help, most likely first."""
     found = []
     moved = sampling.sample(case.motion, case.step * np.arange(case.steps + 1, dtype=np.float64))
     pitch_rate = float(np.abs(moved[:, PITCH_RATE]).max())
@@ -77,11 +79,11 @@ def _cures(case: Case, section: Modes, of_fluid: Sequence[str]) -> list[str]:
     mass_ratio = _mass_ratio(case, section)
     if section.count and mass_ratio > 1.0:
         heavier = "a smaller fluid.density or a larger wing.density"
-        found.append(f"{heavier} (the fluid that moves with the wing weighs {mass_ratio:.3g} times the wing)")
+        found.append(f"{heavier} (added mass is {mass_ratio:.3g} times the wing's mass)")
     return [*found, *of_fluid]
 
 
 def _mass_ratio(case: Case, section: Modes) -> float:
-    """Added mass of a flat plate over the wing's own."""
+    """Ratio of a flat plate's added mass to the wing's mass."""
     area = case.wing.chord * Profile.of(case.wing.span).mean
     return math.pi * case.fluid.density * case.wing.chord * area / (4.0 * section.mass)

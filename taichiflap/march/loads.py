@@ -1,4 +1,4 @@
-"""From what a march tracks to the series and fields that a result holds: positions, inertial forces, power."""
+"""Series and fields of a result from the march's state: positions, inertial forces, power."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ TOGETHER = 128
 """Frames whose nodes are placed together."""
 
 OWN = ("step", "field_step", "q", "force")
-"""What of a block of steps goes into variables of other names."""
+"""Variables that are renamed from the arrays of a block of steps."""
 
 
 def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Any]:
@@ -28,8 +28,8 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
 
     Args:
         nodes: positions of the nodes along the chord, from the pivot, m.
-        motion: as a march samples it, at every step, shape (steps + 1, COLUMNS).
-        frames: what `March.advance` returned for the case.
+        motion: sampled motion at every step, shape (steps + 1, COLUMNS).
+        frames: arrays that `March.advance` returned for the case.
     """
     state = frames["q"]
     series = over_time(case, section, motion, frames)
@@ -67,7 +67,7 @@ def positions(shape: Array, nodes: Array, motion: Array, q: Array) -> NDArray[np
 
 
 def over_time(case: Case, section: Modes, motion: Array, frames: dict[str, np.ndarray]) -> dict[str, Array]:
-    """The variables that have one value a step; arguments as of `derive`."""
+    """The variables with one value per step; same arguments as `derive`."""
     state = frames["q"]
     steps = frames["step"]
     # The steps of a block follow each other.
@@ -125,20 +125,20 @@ def _coefficients(case: Case, series: dict[str, Array]) -> dict[str, Array]:
 
 
 def _elastic_powers(section: Modes, state: Array, modal_force: Array) -> tuple[Array, Array]:
-    """Power (W) of the fluid on the wing as it bends, and what the structure's damping takes."""
+    """Power (W) of the fluid on the wing's deformation, and power dissipated by structural damping."""
     rates = np.ascontiguousarray(state[:, RATE].T)
     by_fluid = _summed(np.ascontiguousarray(modal_force.T) * rates)
     return by_fluid, _weighted(2.0 * section.damping_ratio * section.omega, rates * rates)
 
 
 def inertial_power(section: Modes, motion: Array, state: Array) -> Array:
-    """Power (W) that the actuator spends on the wing's own mass, at the pivot.
+    """Inertial power (W) of the actuator at the pivot.
 
     The generalised inertia forces of plunge, pitch and surge are Lagrange's, from the kinetic energy of the paper's
     Appendix A (whose T6 lacks its factor thetadot) with surge added, times the rates.
 
     Args:
-        motion: as a march samples it, shape (frames, COLUMNS).
+        motion: sampled motion, shape (frames, COLUMNS).
         state: modal state, shape (frames, 3, modes).
     """
     _, rate, accel, _, theta_rate, theta_accel, _, surge_rate, surge_accel, cosine, sine = motion.T
@@ -160,7 +160,7 @@ def mechanical_energy(section: Modes, motion: Array, state: Array) -> Array:
     """Kinetic plus elastic energy (J) of the wing: Eqs 9-10 with the paper's Appendix A, and surge.
 
     Args:
-        motion: as a march samples it, shape (frames, COLUMNS).
+        motion: sampled motion, shape (frames, COLUMNS).
         state: modal state, shape (frames, 3, modes).
     """
     _, rate, _, _, theta_rate, _, _, surge_rate, _, cosine, sine = motion.T
@@ -178,10 +178,11 @@ def mechanical_energy(section: Modes, motion: Array, state: Array) -> Array:
 
 
 def _weighted(weights: Array, modes: Array) -> Array:
-    """`sum_k weights_k modes_k`, added in order: a matrix product would round by the number of frames.
+    """`sum_k weights_k modes_k`, added in order, since the rounding of a matrix product depends on the number of
+    frames.
 
     Args:
-        modes: a value of each mode in each frame, shape (modes, frames).
+        modes: values of each mode in each frame, shape (modes, frames).
     """
     if not len(modes):
         return np.zeros(modes.shape[1])

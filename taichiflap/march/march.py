@@ -4,12 +4,12 @@ Modal equation (Reade & Jankauski 2020, Eq. 11, with the damping that Table 1 gi
 
     qdd_k + 2 zeta_k w_k qd_k + (w_k^2 - thd^2) q_k = -lambda_k Zdd cos(th) - psi_k thdd + Q_k
 
-Every time derivative, of the modes and of the fluid alike, is the second-order backward difference (BDF2): the
-added mass that a fluid feels is then exactly the one that the modes feel, whatever the mass ratio. For a given
-geometry the modal force is linear in the modal acceleration, `Q = load + response qdd`, so that each step is
-one small linear solve, without iteration. The geometry is that of a second-order extrapolation.
+Every time derivative, of the modes and of the fluid alike, is the second-order backward difference (BDF2): the fluid
+and the modes then see exactly the same added mass, at any mass ratio. For a given geometry the modal force is linear in
+the modal acceleration, `Q = load + response qdd`, so that each step needs one small linear solve and no iteration. The
+geometry is extrapolated to second order.
 
-Fluid models are those of `taichiflap.fluids.interface`; nothing here depends on which of them it is.
+The march works with any fluid model of `taichiflap.fluids.interface`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -45,20 +45,22 @@ from .state import (
 )
 
 Track = ti.types.argpack(modes=Floats4, force=Floats3)
-"""What every case leaves a step: (case, step, 4, mode), its modal state and the modal force; and (case, step, 4)."""
+"""History of every case: modal state and modal force, shape (case, step, 4, mode); and forces, shape (case, step, 4).
+"""
 
 MODAL_FORCE = 3
-"""Row of `Track.modes` after those of a modal state."""
+"""Row of the modal force in `Track.modes`, after those of the modal state."""
 
 
 FIRST, LAST, OPENING, CASES, LANES = range(5)
-"""Entries of a launch: the first step and the one after the last, the first step of the block, and how many cases are
-dealt out among how many lanes. In an array, since Taichi counts 64 arguments with all arrays in them."""
+"""Entries of a launch: first step, last step + 1, first step of the block, number of cases and number of lanes. They
+share one array because Taichi allows only 64 kernel arguments.
+"""
 
 
 @ti.func
 def differencing(n, dt):
-    """Backward differences of order 0, 1 and then 2: a case starts from rest with nothing behind it."""
+    """Backward differences of order 0, 1 and then 2, since a case starts from rest without a history."""
     rule = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if n == 1:
         rule = ti.Vector([1.0 / dt, -1.0 / dt, 0.0, dt])
@@ -69,7 +71,7 @@ def differencing(n, dt):
 
 @ti.func
 def predict(body: View, b, n, rule, known: View):
-    """What the next amplitudes and rates are without acceleration, and what they will be to second order."""
+    """Next amplitudes and rates without acceleration (`q_free`), and extrapolated to second order (`q_predicted`)."""
     dt = body.dt[b]
     modes = bodies.modes_of(body, b, known)
     for k in range(modes):
@@ -124,7 +126,7 @@ def accelerate(body: View, b, n, rule, known: View):
 
 @ti.func
 def has_diverged(body: View, b, known: View):
-    """Whether a value is no longer finite, or a mode larger than any beam bends."""
+    """Whether a value is not finite or a mode exceeds its limit."""
     total = 0.0
     runaway = False
     for k in range(bodies.modes_of(body, b, known)):
@@ -150,7 +152,7 @@ def track_step(body: View, track: View, b, row, known: View):
 
 
 _kernels: dict[Any, Any] = {}
-"""The kernels that this process has, by what decides which it is."""
+"""Compiled kernels of this process, by kernel key."""
 
 
 _launched: set[Any] = set()
@@ -158,11 +160,11 @@ _launched: set[Any] = set()
 
 
 def kernel(flow: Any, outputs: tuple[Any, ...] | None, known: int) -> Any:
-    """The kernel that marches a batch with a fluid model, many steps of many cases in one launch, and its argpack.
+    """Kernel that marches a batch, with many steps of many cases per launch, and its argpack.
 
     Args:
         flow: the batch, a `taichiflap.fluids.interface.Flow`.
-        outputs: of the model, if they are to be stored.
+        outputs: outputs of the model; None if they are not stored.
         known: see `state.common_modes`.
     """
     key = flow.kernel_key, outputs, known
@@ -212,9 +214,9 @@ class March:
     """A batch of cases with one fluid model, marched together.
 
     Args:
-        cases: cases that share their solver; everything else may differ.
+        cases: cases with the same solver; all else may differ.
         fluid: the fluid model, a `taichiflap.fluids.interface.Model`.
-        threads: how many threads may work at once; all of them if None. It does not change any result.
+        threads: number of threads; None for all. It does not affect results.
         store_outputs: keep the outputs of the fluid model too; studies of many cases leave them out to save memory.
         room: the steps that the first `advance` takes, if known: memory is then allocated once.
     """
@@ -252,15 +254,15 @@ class March:
 
     @runtime.exclusive
     def advance(self, steps: int) -> list[dict[str, np.ndarray]]:
-        """March every case by `steps` steps and return what it stores on the way.
+        """March every case by `steps` steps and return the stored arrays.
 
         The first step is step 0, the state at t = 0. A case that has reached its end, or has failed, rests.
         Zero steps compile the kernels, or fetch them from Taichi's cache, if this process has not yet.
 
         Returns:
-            For each case `step`, `q` (amplitude, rate and acceleration of every mode), `modal_force`, `force` and
-            the series of the fluid model, with the step as leading axis; `field_step`, the steps of its frames; and
-            its fields, with the frame as leading axis, ragged ones one frame after the other.
+            For each case `step`, `q` (amplitude, rate and acceleration of every mode), `modal_force`, `force` and the
+            series of the fluid model, with the step as leading axis; `field_step`, the steps of its frames; and the
+            fields, with the frame as leading axis. Ragged fields are concatenated over frames.
         """
         runtime.check(self._runtime)
         first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
@@ -273,7 +275,7 @@ class March:
         return self._collect(first, last)
 
     def state(self, b: int) -> dict[str, np.ndarray]:
-        """What a case's coming steps depend on, arrays with a case axis of one, until the next `advance`."""
+        """State of a case, arrays with a case axis of length one, valid until the next `advance`."""
         return {
             f"{group}.{name}": view(values)[b : b + 1]
             for group, arrays in self.groups.items()
@@ -282,22 +284,22 @@ class March:
         }
 
     def restore(self, states: Sequence[Mapping[str, np.ndarray]], next_step: int) -> None:
-        """Go on from the states, one a case, that a march had before `next_step`, in this or in another batch.
+        """Continue from the states, one per case, that a march had before `next_step`, in this or another batch.
 
         Raises:
-            ValueError: when a state is not one of such a case.
+            ValueError: if a state does not belong to such a case.
         """
         for b, state in enumerate(states):
             self._check(b, state, next_step)
         for b, state in enumerate(states):
             for name, values in self.state(b).items():
-                # Batches differ in how much they pad.
+                # The padding differs between batches.
                 shared = tuple(map(slice, np.minimum(values.shape, state[name].shape)))
                 values[shared] = state[name][shared]
         self.next_step = next_step
 
     def _check(self, b: int, state: Mapping[str, np.ndarray], next_step: int) -> None:
-        """Refuse a state that no march of the case can have had: kernels would follow its integers anywhere."""
+        """Raise an error for an impossible state, since kernels use its integers as indices."""
         ours = self.state(b)
         if ours.keys() != state.keys():
             raise ValueError("not a state of this model")
@@ -317,7 +319,7 @@ class March:
                 raise ValueError(f"its {name} is not finite")
 
     def _march(self, first: int, last: int) -> None:
-        """Many steps in one launch, but for those before which a fluid model puts all threads to one case."""
+        """Take many steps per launch, except where the fluid model has work for all threads before each step."""
         before = self.flow.before_step
         alone = max(first, min(last, self.flow.first)) if before else last
         self._launch(first, alone, first)
@@ -331,14 +333,15 @@ class March:
             self._kernel(self._batch, np.array([first, last, opening, len(self.cases), self._lanes], dtype=np.int32))
 
     def failures(self) -> np.ndarray:
-        """The step at which each case diverged, or -1."""
+        """Step at which each case diverged, or -1."""
         return view(self.body.failed).copy()
 
     def reason(self, b: int, finer_helps: Callable[[Case, int], bool | None] | None = None) -> str:
-        """Why a case stopped before its end; nothing if it did not.
+        """Why a case diverged; empty if it did not.
 
         Args:
-            finer_helps: what tells of a case and the step at which it stopped whether twice the steps get further.
+            finer_helps: function of a case and the step of divergence that returns whether a trial with twice the steps
+                runs further.
         """
         step, count = int(self.failures()[b]), self.sections[b].count
         if step < 0:
@@ -346,7 +349,7 @@ class March:
         known = self.flow.reason(b, step) if self.flow.reason else ""
         if known:
             return known
-        # The step that failed has moved its predecessor to the rows from BEFORE on.
+        # The failed step has moved the previous state to the rows from BEFORE on.
         now, before = (view(self.body.q)[b, row, :count] for row in (AMPLITUDE, BEFORE))
         now, before = now.copy(), before.copy()
         case = self.cases[b]

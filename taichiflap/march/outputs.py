@@ -13,7 +13,7 @@ import numpy as np
 from ..kernels.runtime import ti, view
 
 KINDS = {"f8": "f64", "f4": "f32", "i4": "i32"}
-"""Taichi's name of each type of number."""
+"""Taichi's name of each data type."""
 
 
 @functools.cache
@@ -28,12 +28,12 @@ def output_type(outputs: tuple[Any, ...]) -> Any:
 
 
 class Outputs:
-    """Room for the outputs of a batch.
+    """Arrays for the outputs of a batch.
 
     Args:
-        outputs: of the model.
-        sizes: the length of every axis, of each case.
-        steps, frames: rows of a series, and of a field.
+        outputs: outputs of the model.
+        sizes: length of every axis, for each case.
+        steps, frames: number of rows of a series, and of a field.
     """
 
     def __init__(self, outputs: tuple[Any, ...], sizes: Sequence[Mapping[str, int]], steps: int, frames: int) -> None:
@@ -52,12 +52,12 @@ class Outputs:
         self._views = {name: view(values) for name, values in arrays.items()}
 
     def share(self, b: int, stored: Sequence[Any], steps: int, frames: int) -> dict[str, np.ndarray]:
-        """What a case stores, without the padding of the batch; a ragged output as one frame after the other.
+        """Arrays of a case without the padding of the batch; ragged outputs are concatenated over frames.
 
         Args:
-            stored: which outputs.
-            steps: rows of the series that are filled.
-            frames: rows of the fields that are.
+            stored: outputs that are stored.
+            steps: number of filled rows of the series.
+            frames: number of filled rows of the fields.
         """
         found = {}
         for one in stored:

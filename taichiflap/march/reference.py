@@ -1,7 +1,7 @@
-"""Reference speed and area of a case: what makes its forces and its power coefficients.
+"""Reference speed and area of a case, for coefficients of force and power.
 
-The reference speed is that of the free stream; in hover the root mean square over a beat (or the whole run, where
-nothing repeats) of the speed of the middle of the chord, the reference point. The area is chord times mean span.
+The reference speed is that of the free stream. In hover it is the root-mean-square speed of mid-chord over a beat, or
+over the whole run for a non-periodic motion. The area is chord times mean span.
 """
 
 import functools
@@ -16,17 +16,17 @@ from ..motion.sampling import typical_speed
 from ..structure.chordwise import Profile
 
 MOMENTS = 512
-"""Times at which the speed is looked at."""
+"""Number of times at which the speed is sampled."""
 
 
 @dataclass(frozen=True)
 class Reference:
-    """What forces and power are divided by.
+    """Reference values of forces and power.
 
     Attributes:
         speed: m/s.
         area: m2.
-        density: of the fluid, kg/m3.
+        density: density of the fluid, kg/m3.
         stream: whether the speed is that of a free stream.
     """
 
@@ -37,24 +37,24 @@ class Reference:
 
     @property
     def force(self) -> float:
-        """`rho U^2 S / 2`, N: that of a coefficient of one."""
+        """Reference force `rho U^2 S / 2`, N."""
         return 0.5 * self.density * self.speed**2 * self.area
 
     @property
     def power(self) -> float:
-        """`rho U^3 S / 2`, W."""
+        """Reference power `rho U^3 S / 2`, W."""
         return self.force * self.speed
 
 
 def reference(case: Case) -> Reference:
-    """The reference speed and area of a case."""
+    """Reference speed and area of a case."""
     stream = case.fluid.streams
     speed = math.hypot(*case.fluid.velocity) if stream else speed_of_middle(case)
     return Reference(speed, case.wing.chord * Profile.of(case.wing.span).mean, case.fluid.density, stream)
 
 
 def speed_of_middle(case: Case) -> float:
-    """Root mean square of the speed (m/s) of the middle of the chord through the fluid, over the last beat."""
+    """Root-mean-square speed (m/s) of mid-chord through the fluid, over the last beat."""
     behind = (0.5 - case.wing.pivot) * case.wing.chord
     return _speed(case.motion, behind, case.fluid.velocity, case.duration, case.beat)
 

@@ -1,4 +1,4 @@
-"""The moving elastic section of every case of a batch: its arrays, and where its points are and how they move.
+"""State of the moving elastic section of every case of a batch, and positions and velocities of its points.
 
 Reade & Jankauski (2020), Eqs 1-8. Chordwise axis `e_y = (cos theta, sin theta)` and normal axis
 `e_z = (-sin theta, cos theta)` in (Y, Z); a point sits at `(Y, Z) + y e_y + W e_z` with `W = sum_k phi_k q_k`.
@@ -18,43 +18,46 @@ from ..structure import beam
 from . import divergence
 
 NORMAL, AXIAL, MOMENT, UNSTEADY = range(4)
-"""Columns of `force`: along e_z, along e_y (N), about the pivot (N m), and the share of the normal force
-that comes from acceleration (DBET: added mass; UVLM: d(Gamma)/dt)."""
+"""Columns of `force`: along e_z, along e_y (N), about the pivot (N m), and the part of the normal force due to
+acceleration (DBET: added mass; UVLM: d(Gamma)/dt).
+"""
 
 C0, C1, C2, BETA = range(4)
-"""Entries of a differencing rule: `x' = C0 x + C1 x_before + C2 x_before_that`, and `BETA = dx / dx'`."""
+"""Coefficients of the backward difference: `x' = C0 x + C1 x_before + C2 x_before_that`, and `BETA = dx / dx'`."""
 
 AMPLITUDE, RATE, ACCEL, BEFORE = range(4)
 """Rows of a modal state, shape (case, row, mode)."""
 
 STEPS, EVERY = range(2)
-"""Columns of `plan`: how many steps a case takes, and how many lie between its frames."""
+"""Columns of `plan`: number of steps of a case, and steps between its frames."""
 
 STIFFNESS, DAMPING, LAMBDA, PSI, RUNAWAY = range(5)
-"""Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k, and where a case stops."""
+"""Rows of the modal constants: omega_k^2, 2 zeta_k omega_k, lambda_k, psi_k, and the amplitude at which a case has
+diverged.
+"""
 
 COSINE, SINE = SURGE_ACCEL + 1, SURGE_ACCEL + 2
-"""Columns that a march adds to the sampled motion: of the pitch angle."""
+"""Columns that a march adds to the sampled motion: cosine and sine of the pitch angle."""
 COLUMNS = SINE + 1
 
 Body = ti.types.argpack(
     modes=Ints1,
     plan=Ints2,  # (case, 2): STEPS, EVERY
-    failed=Ints1,  # step at which the case stopped, see taichiflap.march.divergence; -1 while all is well
+    failed=Ints1,  # step at which the case diverged, see taichiflap.march.divergence; else -1
     dt=Floats1,
     motion=Floats3,  # (case, step, COLUMNS), see taichiflap.motion; and cos theta, sin theta
     constant=Floats3,
     q=Floats3,  # (case, 5, mode): modal state now, and from row BEFORE on amplitude and rate one step earlier
-    q_free=Floats3,  # what the coming step's amplitude and rate are with no acceleration
-    q_predicted=Floats3,  # where they are expected to be, to second order
-    load=Floats2,  # modal force Q_j with no modal acceleration
+    q_free=Floats3,  # amplitude and rate at the next step without acceleration
+    q_predicted=Floats3,  # amplitude and rate at the next step, extrapolated to second order
+    load=Floats2,  # modal force Q_j without modal acceleration
     response=Floats3,  # d Q_j / d qdd_k
     force=Floats2,
     system=Floats3,
 )
 
 GIVEN = ("motion",)
-"""What the case alone determines, at every step: no part of a march's state."""
+"""Arrays determined by the case alone; they are not part of a march's state."""
 
 
 def sample_motions(cases: Sequence[Case]) -> Any:
@@ -101,7 +104,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: Any
 
 
 def most_modes(sections: Sequence[beam.Modes]) -> int:
-    """Room for modes that a batch needs: never none, so that no array is empty."""
+    """Maximum number of modes in a batch, at least 1, so that no array is empty."""
     return max(1, *(section.count for section in sections))
 
 

@@ -1,4 +1,4 @@
-"""The free stream and the gust in it, as kernels see them; `taichiflap.motion.gust` says what a gust is."""
+"""The free stream and its gust in kernels; `taichiflap.motion.gust` defines the gusts."""
 
 import math
 from collections.abc import Sequence
@@ -11,19 +11,20 @@ from ..kernels.arrays import array
 from ..kernels.runtime import Octet, View, ti
 
 KIND, SPEED, LENGTH, EDGE, CARRIED, AHEAD, ALONG_Y, ALONG_Z, FRONT = range(2, 11)
-"""Columns after the free stream along Y and Z: the place of the gust in `KINDS`; its velocity, m/s; its length, m; over
-what length a sharp edge is drawn out, m; speed of the stream, m/s; how far ahead of the origin the front stands at
-t = 0, m; direction of the stream; and where the front stands along it at the present step, m."""
+"""Columns after the free stream along Y and Z: index of the gust in `KINDS`; its velocity, m/s; its length, m; length
+of the ramp at a sharp edge, m; speed of the stream, m/s; distance of the front upstream of the origin at t = 0, m;
+direction of the stream; and position of the front along it at the current step, m.
+"""
 
 KINDS = "none", "sharp_edged", "one_minus_cosine", "sinusoidal"
 NONE, SHARP_EDGED, ONE_MINUS_COSINE, SINUSOIDAL = range(4)
 
 
 def streams(cases: Sequence[Case], pieces: Sequence[int]) -> Any:
-    """The array of the streams of a batch.
+    """Array of the streams of a batch.
 
     Args:
-        pieces: into how many pieces each case's chord is divided; a sharp edge is as long as one of them.
+        pieces: number of elements along each case's chord; a sharp edge has the length of one.
     """
     rows = np.zeros((len(cases), FRONT + 1))
     for row, case, count in zip(rows, cases, pieces, strict=True):
@@ -40,13 +41,13 @@ def streams(cases: Sequence[Case], pieces: Sequence[int]) -> Any:
 
 @ti.func
 def carry_gust(stream: View, b, time):
-    """Put the front of the gust where it stands at a time."""
+    """Set the position of the gust front at a time."""
     stream[b, FRONT] = stream[b, CARRIED] * time - stream[b, AHEAD]
 
 
 @ti.func
 def gust_across(stream: View, b, y, z, edge):
-    """Velocity of the gust, a quarter turn counter-clockwise from the stream; a sharp edge is `edge` long."""
+    """Velocity of the gust, 90 degrees counter-clockwise from the stream; a sharp edge has the length `edge`."""
     behind = stream[b, FRONT] - stream[b, ALONG_Y] * y - stream[b, ALONG_Z] * z
     share = 0.0
     if stream[b, KIND] == SHARP_EDGED:
@@ -62,7 +63,7 @@ def gust_across(stream: View, b, y, z, edge):
 
 @ti.func
 def gust_at(stream: View, b, y, z, edge):
-    """Velocity of the gust at a place, along Y and Z."""
+    """Velocity of the gust at a point, along Y and Z."""
     across = 0.0
     if stream[b, KIND] > NONE:
         across = gust_across(stream, b, y, z, edge)
@@ -71,7 +72,7 @@ def gust_at(stream: View, b, y, z, edge):
 
 @ti.func
 def gust_at_octet(stream: View, b, y, z):
-    """Velocity of the gust at eight places, along Y and Z."""
+    """Velocity of the gust at eight points, along Y and Z."""
     across = Octet(0.0)
     if stream[b, KIND] > NONE:
         for lane in ti.static(range(8)):

@@ -1,4 +1,4 @@
-"""Figures of a result: means, peaks, harmonics, and what a study compares."""
+"""Metrics of a result: means, peaks, harmonics, and those that studies compare."""
 
 from ..doors import lazy
 

@@ -1,4 +1,4 @@
-"""The beats of a run: the frames of each, means and peaks over each, and which of them the start no longer disturbs."""
+"""The beats of a run: their frames, means and peaks, and which beats are free of the starting transient."""
 
 import math
 from dataclasses import dataclass
@@ -10,19 +10,19 @@ from ..case.case import Case
 from ..results.reader import Result
 
 BLUR = 1e-6
-"""Differences between beats below this share of the force's root mean square are none."""
+"""Share of the root-mean-square force below which differences between beats count as zero."""
 SAME_TIME = 5e-10
-"""Two times that are closer, in beats, are one."""
+"""Difference, in beats, below which two times count as equal."""
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Beats:
-    """Some successive beats of a run, each with at least one frame; none if there are fewer than two edges.
+    """Successive beats of a run, each with at least one frame; empty with fewer than two edges.
 
     Attributes:
-        edges: the first frame of each beat, and the first one after the last beat.
+        edges: first frame of each beat, and the first frame after the last beat.
     """
 
     edges: NDArray[np.intp]
@@ -32,24 +32,24 @@ class Beats:
 
     @property
     def frames(self) -> slice:
-        """The frames of all of them."""
+        """Frames of all beats."""
         return slice(int(self.edges[0]), int(self.edges[-1]))
 
     @property
     def last(self) -> slice:
-        """The frames of the last one."""
+        """Frames of the last beat."""
         return slice(int(self.edges[-2]), int(self.edges[-1]))
 
     def after(self, count: int) -> "Beats":
-        """These beats without the first ones."""
+        """The beats without the first ones."""
         return Beats(self.edges[count:])
 
     def means(self, values: Array) -> Array:
-        """Mean over each beat of values of all frames, along the last axis; shape (..., beats)."""
+        """Mean over each beat, along the last axis; shape (..., beats)."""
         return np.add.reduceat(values[..., : self.edges[-1]], self.edges[:-1], axis=-1) / np.diff(self.edges)
 
     def peaks(self, values: Array) -> Array:
-        """Largest magnitude in each beat of values of all frames, along the last axis; shape (..., beats)."""
+        """Largest magnitude in each beat, along the last axis; shape (..., beats)."""
         return np.maximum.reduceat(np.abs(values[..., : self.edges[-1]]), self.edges[:-1], axis=-1)
 
     def mean_forces(self, result: Result) -> Array:
@@ -57,30 +57,31 @@ class Beats:
         return self.means(np.stack((result.force_y, result.force_z)))
 
     def force_size(self, result: Result) -> float:
-        """Root mean square of the force over the later half of these beats, N."""
+        """Root-mean-square force over the second half of the beats, N."""
         frames = self.after(len(self) // 2).frames
         return math.sqrt(np.mean(result.force_y[frames] ** 2 + result.force_z[frames] ** 2))
 
 
 def whole_beats(case: Case, time: Array) -> Beats:
-    """The whole beats of a run: the frames of each are those after its start, up to and with its end."""
+    """The whole beats of a run. The frames of a beat are those after its start, up to and including its end."""
     count = int(time[-1] / case.beat + SAME_TIME) if len(time) else 0
     ends = case.beat * (np.arange(count + 1) + SAME_TIME)
     return Beats(np.unique(np.searchsorted(time, ends)))
 
 
 def settled_beats(result: Result) -> Beats:
-    """The whole beats left when those that the start disturbs are dropped.
+    """The whole beats after the starting transient.
 
-    So many are dropped, up to half, that the standard error of the mean force of the others is least: the marginal
-    standard error rule (White, Simulation 69, 1997), which weighs the bias of the start against the loss of samples.
+    Up to half of the beats are dropped, such that the standard error of the mean force of the others is smallest: the
+        marginal standard error rule (White, Simulation 69, 1997), which balances the bias of the transient against the
+        loss of samples.
     """
     beats = whole_beats(result.case, result.time)
     if len(beats) < 2:
         return beats
     forces, size = beats.mean_forces(result), beats.force_size(result)
     most = len(beats) // 2
-    # Sums over what is left, of the difference from the mean of the later half: no digits go to a large common part.
+    # Sums of differences from the mean of the second half, to avoid cancellation.
     apart = (forces - forces[:, most:].mean(axis=1, keepdims=True))[:, ::-1]
     count = np.arange(1, len(beats) + 1)
     scatter = np.sum(np.cumsum(apart**2, axis=1) - np.cumsum(apart, axis=1) ** 2 / count, axis=0)

@@ -1,7 +1,7 @@
-"""The numbers that a study keeps of each case, by name: `metrics.Summary` flattened, and what a map asks beyond it.
+"""Metrics of a case by name: the values of `metrics.Summary`, and further metrics for maps.
 
-A name is a quantity of the summary with `_mean` and `_spread` where it varies from beat to beat: `force_vertical_mean`.
-Its words in another order, such as `vertical_force_mean`, are understood in this version still.
+A name is an attribute of the summary, with `_mean` or `_spread` if it varies from beat to beat: `force_vertical_mean`.
+    This version also accepts the words in another order, such as `vertical_force_mean`.
 """
 
 import cmath
@@ -19,22 +19,22 @@ from .similarity import Similarity
 from .summary import ORDERS, WAVING, Statistic, Summary, summarise
 
 OF_FILM = ("circulation", "wake_")
-"""How the names of series begin that belong to a fluid's outputs, which a study does not keep."""
+"""Prefixes of series from a fluid model's outputs, which a study does not keep."""
 SERIES = tuple(name for name, one in VARIABLES.items() if one.dimensions == ("time",) and not name.startswith(OF_FILM))
-"""The time series that a study can keep."""
+"""Time series that a study can keep."""
 RATIOS = {"lift_per_power": "power_mean", "lift_per_positive_power": "power_positive_mean"}
-"""What the cycle mean of the lift, or of the vertical force in hover, is divided by."""
+"""Denominators of the mean lift, or of the mean vertical force in hover."""
 IN_HOVER = ("force_vertical_mean", "power_mean", "lift_per_power", "tip_peak_mean")
 IN_STREAM = ("lift_mean", "thrust_mean", "power_mean", "lift_per_power", "propulsive_efficiency", "tip_peak_mean")
-"""Metrics that are shown of a study, as far as it has them."""
+"""Metrics shown for a study, where available."""
 POWER = "power_mean"
 GAINS = {"lift_mean", "thrust_mean", "force_vertical_mean"}
-"""What is weighed against the power."""
+"""Metrics compared with the power in Pareto fronts."""
 
 STREAM, BEAT, SPEED, FLUID, VISCOSITY, MASS, RADIUS, PIVOT = (
     "in hover: it needs a free stream, fluid.velocity; the vertical force is force_vertical_mean",
-    "where nothing repeats: it needs motion.frequency",
-    "where nothing moves: it needs a stream, or a motion of the middle of the chord",
+    "for a non-periodic motion: it needs motion.frequency",
+    "without a reference speed: it needs a stream, or a motion of mid-chord",
     "where fluid.density is zero",
     "without a viscosity: it needs fluid.viscosity",
     "without a weight: it needs body.mass",
@@ -48,15 +48,15 @@ OF_BEATS = (
     *(f"{name}_harmonic" for name in WAVING),
 )  # fmt: skip
 OF_SPEED = ("lift_coefficient", "power_coefficient")
-"""How the names of metrics begin that are not defined there."""
+"""Prefixes of metrics that are undefined under each condition."""
 
 
 class QuantityError(UserError):
-    """A metric that does not exist: one sentence with the nearest that do."""
+    """Raised for an unknown metric; one sentence with the nearest names."""
 
 
 def _quantities() -> Iterator[tuple[str, str, str]]:
-    """Name, units and meaning of every metric."""
+    """Name, units and description of every metric."""
     for field, hint in typing.get_type_hints(Summary, include_extras=True).items():
         units = "".join(getattr(hint, "__metadata__", ()))
         if units and not field.startswith(OF_FILM):
@@ -81,13 +81,13 @@ QUANTITIES = {name: Variable((), units, text) for name, units, text in _quantiti
 
 
 def choose(names: Sequence[str], cases: Collection[Case] = ()) -> list[str]:
-    """The metrics that some names mean; all of them if none are given.
+    """Metrics for the given names; all metrics if none are given.
 
     Args:
-        cases: examples of the cases that are measured: what none of them has is not offered.
+        cases: representative cases; metrics undefined for all of them are left out.
 
     Raises:
-        QuantityError: for a name that is no metric, or that no case has.
+        QuantityError: for an unknown metric, or one undefined for all cases.
     """
     chosen = list(dict.fromkeys(resolve(name) for name in names))
     lacking = [undefined(case) for case in cases]
@@ -99,7 +99,7 @@ def choose(names: Sequence[str], cases: Collection[Case] = ()) -> list[str]:
 
 
 def undefined(case: Case) -> dict[str, str]:
-    """The metrics that a case cannot have, by name, each with the place where it is not defined."""
+    """Undefined metrics of a case, by name, each with the condition."""
     scale = reference(case)
     lacking: dict[str, str] = {}
     if not scale.force:
@@ -127,21 +127,21 @@ def _beginning(starts: tuple[str, ...], where: str) -> dict[str, str]:
 
 
 def shown(kept: Collection[str]) -> list[str]:
-    """The metrics to show of those that a study keeps, the foremost first; some others if it keeps none of them."""
+    """Metrics to show of those that a study keeps, most important first; others if it keeps none of them."""
     streams = any(name in kept for name in IN_STREAM[:2])
     return [name for name in (IN_STREAM if streams else IN_HOVER) if name in kept] or list(kept)[: len(IN_HOVER)]
 
 
 def gains(kept: Collection[str]) -> list[str]:
-    """The metrics, of those that a study keeps, that its Pareto fronts weigh against the power."""
+    """Metrics of a study that its Pareto fronts compare with the power."""
     return [name for name in shown(kept) if name in GAINS] if POWER in kept else []
 
 
 def resolve(name: str) -> str:
-    """The metric that a name means, its words in any order.
+    """The metric for a name, with its words in any order.
 
     Raises:
-        QuantityError: when there is none.
+        QuantityError: if there is none.
     """
     if name in QUANTITIES:
         return name
@@ -150,23 +150,23 @@ def resolve(name: str) -> str:
         if sorted(known.split("_")) == words:
             return known
     near = difflib.get_close_matches(name, [*QUANTITIES, *map(_spoken, QUANTITIES)], 1, 0.5)
-    hint = f"did you mean {resolve(near[0])}?" if near else f"there are {', '.join(QUANTITIES)}"
+    hint = f"did you mean {resolve(near[0])}?" if near else f"the metrics are {', '.join(QUANTITIES)}"
     raise QuantityError(f"metric {name}: unknown; {hint}")
 
 
 def _spoken(name: str) -> str:
-    """`force_vertical_mean` as it is said: `vertical_force_mean`."""
+    """Spoken form of a name: `vertical_force_mean` for `force_vertical_mean`."""
     first, _, rest = name.partition("_")
     second, _, rest = rest.partition("_")
     return "_".join(filter(None, (second, first, rest)))
 
 
 def measure(run: Any, names: Sequence[str]) -> dict[str, float]:
-    """Metrics of a run: not-a-number where it has none, such as a phase of a wing at rest.
+    """Metrics of a run; NaN where undefined, such as the phase of a wing at rest.
 
     Args:
-        run: anything with the attributes of a result that `summarise` reads.
-        names: metrics, as `choose` gives them.
+        run: an object with the attributes of a result that `summarise` reads.
+        names: metrics as returned by `choose`.
     """
     summary = summarise(run)
     values = _flattened(summary) if summary else {}

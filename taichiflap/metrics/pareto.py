@@ -1,11 +1,11 @@
-"""Pareto fronts: what nothing beats in both of two respects."""
+"""Pareto fronts: points that no other point beats in both of two metrics."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 
 def pareto_front(cost: np.ndarray, gain: np.ndarray) -> NDArray[np.intp]:
-    """Places of the points that no other beats in cost and in gain, by rising cost; not-a-numbers have no place."""
+    """Indices of the points that no other point beats in both cost and gain, in order of cost; NaN are left out."""
     order = np.lexsort((-gain, cost))
     order = order[np.isfinite(cost[order]) & np.isfinite(gain[order])]
     best = np.maximum.accumulate(gain[order])

@@ -1,4 +1,4 @@
-"""What a run amounts to: means over its settled beats and their spread, harmonics and phase, peaks, power."""
+"""Summary of a run: means over its settled beats and their spread, harmonics and phase, peaks, power."""
 
 import functools
 import math
@@ -18,13 +18,13 @@ from .beats import Beats, settled_beats
 from .similarity import Similarity
 
 REPEATS_WITHIN = 0.01
-"""A run has settled when the mean force of its beats stays within this share of the force's root mean square."""
+"""A run is settled if the mean forces of its beats agree within this share of the root-mean-square force."""
 FEWEST_BEATS = 3
-"""Settled beats that it takes to say so."""
+"""Minimum number of settled beats for this test."""
 MOMENTS = 512
-"""Times a beat at which the motion is looked at."""
+"""Number of times per beat at which the motion is sampled."""
 RESOLVED = 1e-12
-"""Two times (beats) that are closer are one."""
+"""Difference (beats) below which two times count as equal."""
 FIRST_MODE = 0.25
 """Mean over the chord of the square of a clamped plate's first mode, that of the tip being 1."""
 GRAVITY = 9.80665
@@ -33,27 +33,27 @@ MEANS = (
     "force_vertical", "force_vertical_normal", "force_normal", "force_axial", "force_y", "force_z", "moment",
     "tip_deflection", "power", "power_aerodynamic", "power_inertial",
 )  # fmt: skip
-"""Variables of which a summary has the mean over each beat."""
+"""Variables with a mean over each beat in the summary."""
 WAVING, ORDERS = ("force_normal", "force_vertical", "tip_deflection"), 3
-"""Variables of which it has so many harmonics."""
+"""Variables with harmonics in the summary, and the number of harmonics."""
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Statistic:
-    """A quantity over the settled beats: the mean of its beat values and their standard deviation."""
+    """Statistics of a metric over the settled beats: mean and standard deviation of its beat values."""
 
     mean: float
     spread: float
 
     def over(self, scale: float) -> "Statistic":
-        """The same quantity divided by a positive number."""
+        """The statistics divided by a positive number."""
         return Statistic(self.mean / scale, self.spread / scale)
 
     @classmethod
     def each(cls, values: Array) -> list["Statistic"]:
-        """Statistics of several quantities, each with one value a beat: shape (quantities, beats)."""
+        """Statistics of several metrics, each with one value per beat: shape (metrics, beats)."""
         count = values.shape[1]
         means = values.sum(axis=1) / count
         spreads = np.sqrt(((values - means[:, None]) ** 2).sum(axis=1) / count)
@@ -62,17 +62,16 @@ class Statistic:
 
 @dataclass(frozen=True)
 class Summary:
-    """Settled behaviour of a run. Each quantity is annotated with its units; times are fractions of the period.
+    """Settled behaviour of a run. Each attribute is annotated with its units; times are fractions of the period.
 
-    Of a motion that has no frequency the whole run counts as one beat.
+    For a non-periodic motion the whole run counts as one beat.
 
     Attributes:
-        beats: number of beats that the statistics are over, the last of the run: its settled beats.
-        settled: whether these beats repeat: neither does their mean force drift, nor does it spread, by more than
-            1 % of the force's root mean square. None where nothing repeats.
-        force_drift: change of the mean force across these beats, by a straight line through them, as a share of the
-            force's root mean square.
-        force_spread: standard deviation of the mean force of these beats, as such a share.
+        beats: number of settled beats, the last of the run, over which statistics are taken.
+        settled: whether drift and spread of the mean force over these beats are below 1 % of the root-mean-square
+            force. None for a non-periodic motion.
+        force_drift: change of the mean force over these beats by a linear fit, relative to the root-mean-square force.
+        force_spread: standard deviation of the mean force of these beats, relative to the root-mean-square force.
         force_vertical, force_vertical_normal: mean vertical force, full vector and e_z component alone.
         force_normal, force_axial, force_y, force_z, moment, tip_deflection: means of these variables.
         lift, thrust: mean force across a free stream, a quarter turn counter-clockwise from it (along Z for one along
@@ -90,25 +89,25 @@ class Summary:
         strouhal: frequency times the extent of the bent wing's trailing edge across the stream over the stream's speed;
             None without a stream, or where nothing repeats.
         force_normal_peak: largest magnitude of the normal force.
-        force_normal_phase: phase advance of its first harmonic over that of the plunge (of the pitch, if the
-            wing does not plunge), degrees in (-180, 180]; None if the wing does neither.
+        force_normal_phase: phase lead of its first harmonic over that of the plunge (of the pitch, without plunge),
+            degrees in (-180, 180]; None without plunge and pitch.
         tip_peak: largest magnitude of the tip deflection.
-        tip_peak_time: when, as t/T within the beat.
-        tip_peak_after_reversal: when, after the last stroke reversal; None if the wing does not plunge.
-        power, power_aerodynamic, power_inertial: mean mechanical power of the actuator and its parts.
-        power_positive: mean of the power where it is positive: what an actuator that stores nothing spends.
-        wake_lost: mean velocity at the wing of the wake that was dropped or absorbed (`wake_lost` of the result), over
-            the wing's root mean square speed: about what the forces err by. None for a model without a wake.
-        wake_far_error: largest error found in a wake vortex's velocity by multipoles, m/s; None where every pair is
-            summed.
-        wake_crossings: how often a wake vortex came upon the wing, in the whole run; None without a wake.
-        force_coefficient_peak: largest normal force but for the share that comes from acceleration, over
-            `rho V^2 S / 2` with the root mean square speed V of all points of the bent wing through the fluid. Attached
-            and separated flows give some units. None where nothing moves.
-        energy_residual: what the beats leave unaccounted for of the power into the wing against the change of its
-            energy, as a share of the actuator's gross work (or of the gross power into the wing, if that is larger).
-        harmonics: complex amplitudes of the first harmonics of some variables, see `harmonics`; empty where nothing
-            repeats.
+        tip_peak_time: time of the tip peak, as t/T within the beat.
+        tip_peak_after_reversal: the same, from the last stroke reversal; None without plunge.
+        power, power_aerodynamic, power_inertial: mean mechanical power of the actuator, and its parts.
+        power_positive: mean of the positive part of the power: the power of an actuator without energy storage.
+        wake_lost: mean velocity at the wing lost by dropping or absorbing vortices (`wake_lost` of the result),
+            relative to the wing's root-mean-square speed: an estimate of the relative error of the forces. None for a
+            model without a wake.
+        wake_far_error: largest measured error of a wake vortex's velocity by multipoles, m/s; None with direct sums.
+        wake_crossings: number of wake-wing crossings in the whole run; None without a wake.
+        force_coefficient_peak: largest normal force without the part due to acceleration, over `rho V^2 S / 2`, with
+            the root-mean-square speed V of all points of the bent wing through the fluid. Typical values are of order
+            one. None if V is zero.
+        energy_residual: difference between the work done on the wing and the change of its energy, relative to the
+            actuator's gross work (or the gross work on the wing, if larger).
+        harmonics: complex amplitudes of the first harmonics of some variables, see `harmonics`; empty for a
+            non-periodic motion.
     """
 
     beats: Annotated[int, "1"]
@@ -158,10 +157,10 @@ class Summary:
 
 
 def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
-    """Summary of a run; None while it has no whole beat.
+    """Summary of a run; None without a whole beat.
 
     Args:
-        beats: what to take it over; its settled beats, if None.
+        beats: beats to summarise; the settled beats if None.
     """
     case = result.case
     time = result.time
@@ -205,7 +204,7 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
 
 
 def _coefficients(case: Case, lift: Statistic, thrust: Statistic | None, power: Statistic) -> Any:
-    """What a summary says of coefficients and efficiency, with the reference that they are made with."""
+    """Coefficients and efficiency of a summary, with their reference values."""
     scale = reference(case)
     drag = thrust and Statistic(-thrust.mean, thrust.spread)
     forces = {"lift_coefficient": lift, "drag_coefficient": drag, "thrust_coefficient": thrust}
@@ -257,7 +256,7 @@ def _force_coefficient(result: Result, frames: slice) -> float | None:
 
 def _energy_residual(result: Result, frames: slice) -> float | None:
     """See `Summary.energy_residual`."""
-    # From the state at the end of the beat before.
+    # From the state at the end of the previous beat.
     over = slice(max(frames.start - 1, 0), frames.stop)
     time = result.time[over]
     if "energy" not in result.variables or len(time) < 2 or time[1] - time[0] > 1.5 * result.case.step:
@@ -268,19 +267,19 @@ def _energy_residual(result: Result, frames: slice) -> float | None:
 
 
 def _has_every_step(case: Case, time: Array) -> bool:
-    """Whether series have every step, as those of a run do; then what depends on the time alone is known already."""
+    """Whether series have every step, so that values that depend only on time can be reused."""
     return bool(time[-1] == case.step * (len(time) - 1))
 
 
 def _speed(case: Case, behind: float, time: Array, frames: slice) -> float:
-    """Root mean square speed (m/s) through the fluid of a point of the rigid chord over some frames."""
+    """Root-mean-square speed (m/s) through the fluid of a point of the rigid chord over some frames."""
     if not _has_every_step(case, time):
         return sampling.typical_speed(case.motion, behind, case.fluid.velocity, time[frames])
     return sampling.speed_at_steps(case.motion, behind, case.fluid.velocity, case.step, case.steps + 1, frames)
 
 
 def _wake_lost(result: Result, frames: slice) -> float:
-    """Velocity that the wake left out, over the speed of the middle of the chord through the fluid."""
+    """Velocity lost with the wake, relative to the speed of mid-chord through the fluid."""
     case = result.case
     behind = (0.5 - case.wing.pivot) * case.wing.chord
     speed = _speed(case, behind, result.time, frames)
@@ -289,7 +288,7 @@ def _wake_lost(result: Result, frames: slice) -> float:
 
 
 def _unrest(forces: Array, size: float) -> tuple[float, float]:
-    """Drift and spread of the mean forces of beats, as shares of `size`."""
+    """Drift and spread of the mean forces of beats, relative to `size`."""
     count = forces.shape[1]
     if count < 2 or not size:
         return 0.0, 0.0
@@ -303,10 +302,10 @@ def harmonics(case: Case, time: Array, values: Array, count: int) -> NDArray[np.
     """Complex amplitudes `a_n`, n = 1 ... count, over whole beats: `values` holds `Re(a_n exp(2 pi i n f t))`.
 
     Args:
-        values: at `time`, along the last axis.
+        values: values at `time`, along the last axis.
 
     Returns:
-        Shape (count, ...), as the other axes of `values`.
+        Shape (count, ...), with the other axes of `values`.
     """
     return _project(values, _turns(case.beat, time, count))
 
@@ -341,13 +340,13 @@ def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
 
 
 def reversals(case: Case, first: float, last: float) -> Array:
-    """Times (beats) of stroke reversal, where the velocity along the stroke changes sign, from `first` to `last`."""
+    """Times (beats) of stroke reversal from `first` to `last`, where the velocity along the stroke changes sign."""
     step = case.beat / MOMENTS if case.periodic else case.step
     return sampling.reversals(case.motion, first * case.beat, last * case.beat, step) / case.beat
 
 
 def after_reversal(case: Case, beats: float) -> float | None:
-    """Time (beats) from the last stroke reversal to a time (beats); None if there was none within a beat."""
+    """Time (beats) since the last stroke reversal; None if there was none within a beat."""
     # Of whole beats: the cases of a study have them in common.
     whole = math.floor(beats) if case.periodic else 0
     found = reversals(case, max(whole - 1, 0), whole + 1)
@@ -365,13 +364,13 @@ def _waves(case: Case, time: Array, series: dict[str, Array], frames: slice) -> 
 
 
 def _phase(case: Case, last: float, force: complex) -> float | None:
-    """Degrees by which a first harmonic, up to the time `last` (s), leads that of what drives the wing."""
+    """Phase lead (degrees) of a first harmonic, up to the time `last` (s), over that of the driving motion."""
     driver = _driver(case, round(last / case.beat))
     return None if driver is None else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
 
 
 def _driver(case: Case, count: int) -> complex | None:
-    """First harmonic of the plunge (of the pitch, if there is none) in the last of `count` beats."""
+    """First harmonic of the plunge (or of the pitch, without plunge) in the last of `count` beats."""
     moves = case.motion
     firsts = (_swing(axis, moves.frequency, moves.growth, case.beat, count) for axis in (moves.stroke, moves.pitch))
     return next((first for first in firsts if first), None)
@@ -379,7 +378,7 @@ def _driver(case: Case, count: int) -> complex | None:
 
 @functools.lru_cache(maxsize=256)
 def _swing(axis: Travel, frequency: float | None, growth: float, beat: float, count: int) -> complex:
-    """First harmonic of plunge or pitch in the last of `count` beats; zero if it is none but for round-off."""
+    """First harmonic of plunge or pitch in the last of `count` beats; zero if it is only round-off."""
     turns = count - np.arange(MOMENTS) / MOMENTS
     moved = sampling.sample_axis(axis, frequency, growth, beat * turns)[:, 0]
     first = complex(2.0 * np.mean(moved * np.exp(-2j * math.pi * turns)))

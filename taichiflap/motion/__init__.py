@@ -1,4 +1,4 @@
-"""Prescribed motion: plunge and pitch with their exact time derivatives."""
+"""Prescribed motion: plunge, pitch and surge with exact time derivatives."""
 
 from ..doors import lazy
 

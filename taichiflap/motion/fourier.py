@@ -1,4 +1,4 @@
-"""The harmonics nearest to the points of a period: measured motion without its noise."""
+"""Least-squares harmonics of periodic points: measured motion without its noise."""
 
 import functools
 import math
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Points = tuple[tuple[float, float], ...]
 BLIND = 1e3
-"""Condition number beyond which the points leave a gap that the harmonics could do anything in."""
+"""Condition number above which a gap between the points leaves the harmonics undetermined."""
 
 
 @dataclass(frozen=True)
@@ -19,8 +19,8 @@ class Series:
     Attributes:
         mean: in the unit of the points.
         terms: (n, amplitude_n, phase_n) of `amplitude_n sin(2 pi n t + phase_n)`, t in periods and phases in radians.
-        residual: root mean square of the distance of the points from it.
-        blind: whether a gap between the points is too long for so many harmonics.
+        residual: root-mean-square distance of the points from the series.
+        blind: whether a gap between the points is too long for the number of harmonics.
     """
 
     mean: float
@@ -30,19 +30,19 @@ class Series:
 
 
 def most(points: Points) -> int:
-    """How many harmonics so many points tell of."""
+    """Maximum number of harmonics for a number of points."""
     return (len(points) - 1) // 2
 
 
 @functools.lru_cache(maxsize=64)
 def series(points: Points, smooth: int | None, tolerance: float | None = None) -> Series:
-    """The series of least squares of a number of harmonics, or of the fewest that come near enough.
+    """Least-squares series with a given number of harmonics, or with the fewest that meet a tolerance.
 
     Args:
-        points: (time, value), the time in periods; of one beat or of several.
-        smooth: their number, or None.
-        tolerance: largest residual, in the place of a number; when none is near enough, the series of all that the
-            points tell of.
+        points: (time, value) of one or several beats, time in periods.
+        smooth: number of harmonics, or None.
+        tolerance: maximum residual, used instead of a number. If no series meets it, the maximum number of harmonics is
+            used.
     """
     if smooth is not None:
         return _fit(points, smooth)

@@ -1,7 +1,7 @@
-"""A gust in the free stream: a velocity across the stream that is carried along with it, unchanged.
+"""A gust in the free stream: a velocity normal to the stream, carried along unchanged.
 
-Frozen gusts of Kuessner (1936), Sears (1941) and of the certification of aeroplanes ("one minus cosine"). Nothing is
-ahead of the front, which meets the origin of the plane at `fluid.gust_arrival`.
+Frozen gusts of Kuessner (1936), Sears (1941) and of aircraft certification ("one minus cosine"). The front reaches the
+origin of the plane at `fluid.gust_arrival`; the velocity ahead of it is zero.
 """
 
 import math
@@ -15,9 +15,9 @@ Array = NDArray[np.float64]
 
 
 def gust_velocity(fluid: Fluid, time: float, y: ArrayLike, z: ArrayLike) -> Array:
-    """Velocity (m/s) of the gust along Y and Z at places (m) of the plane, shape (2, *places).
+    """Velocity (m/s) of the gust along Y and Z at points (m) of the plane, shape (2, *points).
 
-    Positive `gust_velocity` is a quarter turn counter-clockwise from the stream: along +Z in a stream along +Y.
+    Positive `gust_velocity` is 90 degrees counter-clockwise from the stream: along +Z in a stream along +Y.
     """
     y, z = np.asarray(y, dtype=float), np.asarray(z, dtype=float)
     speed = math.hypot(*fluid.velocity)

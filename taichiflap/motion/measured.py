@@ -1,11 +1,10 @@
 """Plunge, surge and pitch of a wing section from measured flapping angles.
 
-The section, at a distance r from the hinge, moves along its arcs rolled out into the plane (Y, Z), as in blade
-element theory: r times the stroke angle along the stroke plane, r times the deviation across it. With the unit
-vectors F, forward in the stroke plane, and N, its normal that points up, its path is `r (stroke F + deviation N)`; at a
-stroke plane angle b, for the right wing, `F = (sin b, cos b)` and `N = (-cos b, sin b)` in (Y, Z), Y pointing down.
-A left wing is its mirror image: its Z is negative. Deviation shortens the stroke's arc by its cosine, which is left
-out.
+The arcs of a section at distance r from the hinge are unrolled into the plane (Y, Z), as in blade element theory: r
+times the stroke angle along the stroke plane, and r times the deviation normal to it. With the unit vectors F, forward
+in the stroke plane, and N, its upward normal, the path is `r (stroke F + deviation N)`; at a stroke plane angle b, for
+the right wing, `F = (sin b, cos b)` and `N = (-cos b, sin b)` in (Y, Z), Y pointing down. A left wing is the mirror
+image, with the sign of Z reversed. The shortening of the stroke's arc by the cosine of the deviation is neglected.
 """
 
 import cmath
@@ -23,29 +22,29 @@ from . import fourier, waveforms
 
 Array = NDArray[np.float64]
 Harmonics = dict[int, complex]
-"""The mean, and by their order the z of harmonics `Im(z exp(2 pi i n t))`."""
+"""Complex amplitudes z of the harmonics `Im(z exp(2 pi i n t))` by order n, and the mean."""
 
 UNEQUAL = 0.08
-"""Beats whose stroke is so many periods early or late are not of one frequency."""
+"""Maximum time shift of a beat's stroke, in periods, for a single frequency."""
 RETURNS = 0.1, 1.0
-"""Share of an angle's range, and degrees, by which it may miss where it began."""
+"""Maximum mismatch between both ends of a beat, as a share of the angle's range and in degrees."""
 DRIFT = 0.3
-"""Share of its range within a beat by which an angle's mean may differ between beats."""
+"""Maximum change of an angle's mean between beats, as a share of its range within a beat."""
 BETWEEN = 2.5
-"""An angle may move so many times as fast between the last point and the first as anywhere else."""
+"""Maximum rate of an angle between last and first point, relative to its maximum elsewhere."""
 REVERSED = 60.0
-"""Degrees that a geometric angle of attack may jump by where the stroke turns."""
+"""Maximum jump of the geometric angle of attack at stroke reversal, degrees."""
 PHASES = 128
 LEAST = 1e-13
-"""Share of the largest harmonic: less is round-off."""
+"""Share of the largest harmonic below which a harmonic is round-off."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """One angle as it is followed.
+    """Fit of one angle.
 
     Attributes:
-        series: its mean and harmonics, degrees.
+        series: mean and harmonics, degrees.
         spread: standard deviation from beat to beat, rms over the beat, degrees; None for one beat.
     """
 
@@ -54,7 +53,7 @@ class Fit:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Its least and largest value, degrees."""
+        """Its minimum and maximum, degrees."""
         curve = waveforms.harmonic(
             np.arange(PHASES) / PHASES, frequency=1.0, amplitude=0.0, phase=0.0, mean=self.series.mean,
             harmonics=self.series.terms,
@@ -63,7 +62,9 @@ class Fit:
 
 
 def fits(measured: Measured, frequency: float) -> dict[str, Fit]:
-    """Mean stroke, deviation and rotation: forward, up, and from the normal with a forward lean, positive."""
+    """Fits of stroke (positive forward), deviation (positive up) and rotation (from the normal, positive leaning
+    forward).
+    """
     times, angles = canonical(measured, frequency)
     return {
         name: Fit(fourier.series(_points(times, values), measured.smooth), _spread(times, values, measured.smooth))
@@ -72,11 +73,11 @@ def fits(measured: Measured, frequency: float) -> dict[str, Fit]:
 
 
 def travels(measured: Measured, frequency: float, span: float) -> dict[str, Any]:
-    """Plunge, pitch and surge of the section, by their keys, and its stroke along the stroke plane.
+    """Plunge, pitch and surge of the section, by key, and its stroke along the stroke plane.
 
     Args:
         frequency: Hz.
-        span: wing.span, m, of which the radius may be a share.
+        span: wing.span, m, the reference of radius_share.
     """
     stroke, deviation, rotation = (_harmonics(fit.series) for fit in fits(measured, frequency).values())
     cosine, sine = _direction(measured.stroke_plane_deg)
@@ -92,7 +93,7 @@ def travels(measured: Measured, frequency: float, span: float) -> dict[str, Any]
 
 
 def canonical(measured: Measured, frequency: float) -> tuple[Array, tuple[Array, Array, Array]]:
-    """Times in periods, and stroke, deviation and rotation in degrees as `fits` has them."""
+    """Times in periods, and stroke, deviation and rotation in degrees with the signs of `fits`."""
     rows = np.array(measured.angles_deg)
     times = rows[:, 0] / period(measured.clock, frequency)
     stroke = rows[:, 1] if measured.stroke_positive == "forward" else -rows[:, 1]
@@ -107,7 +108,7 @@ def canonical(measured: Measured, frequency: float) -> tuple[Array, tuple[Array,
 
 
 def problem(measured: Measured, frequency: float) -> str:
-    """Why the angles are not those of like beats, in words; empty when they are."""
+    """Why the angles are not periodic; empty if they are."""
     times, angles = canonical(measured, frequency)
     count = math.floor(times[-1] - times[0] + 1e-6 + np.median(np.diff(times)))
     for name, values in zip(NAMES, angles, strict=True):
@@ -119,7 +120,7 @@ def problem(measured: Measured, frequency: float) -> str:
         if jump > REVERSED:
             there = 90.0 - 0.5 * jump
             return (
-                f"the angle of attack is {there:.3g} deg where the stroke turns, and has to pass 90 deg there; "
+                f"the angle of attack is {there:.3g} deg at stroke reversal, where it must pass 90 deg; "
                 'give rotation_from = "plane" or "normal", and angles that are counted so'
             )
     return _of_beats(times, angles[0], count, frequency)
@@ -134,20 +135,20 @@ def _of_return(times: Array, values: Array, count: int) -> str:
         apart = abs(float(values[-1] - values[0]))
         overlap = times[-1] > times[0] + 1.0 + 1.5 * np.median(np.diff(times))
         if not overlap and apart > BETWEEN * steepest * missing + share * reach + least:
-            return f"begins with {values[0]:.3g} deg and ends the beat with {values[-1]:.3g}: it does not return"
+            return f"begins with {values[0]:.3g} deg but ends the beat with {values[-1]:.3g}; give a whole beat"
         return ""
     means = [float(values[one].mean()) for one in _beats(times, count)]
     within = max(float(np.ptp(values[one])) for one in _beats(times, count))
     if max(means) - min(means) > DRIFT * within + least:
         return (
-            f"has a mean that goes from {means[0]:.3g} to {means[-1]:.3g} deg over {count} beats: it does not return; "
-            "give beats of a steady flight, or take its drift out"
+            f"has a mean that drifts from {means[0]:.3g} to {means[-1]:.3g} deg over {count} beats; give beats of "
+            "steady flight, or remove the drift"
         )
     return ""
 
 
 def _of_beats(times: Array, stroke: Array, count: int, frequency: float) -> str:
-    """Whether the stroke of every beat comes when it is due."""
+    """Whether the strokes of all beats are evenly spaced in time."""
     if count < 2:
         return ""
     phases = []
@@ -162,10 +163,11 @@ def _of_beats(times: Array, stroke: Array, count: int, frequency: float) -> str:
     cure = (
         f"they look like {frequency * (1.0 + slope):.4g} Hz"
         if steady
-        else "give beats of equal length, or their times as periods of their own"
+        else "give beats of equal length, or times in periods of each beat"
     )
     return (
-        f"its {count} beats are unequal: at {frequency:g} Hz their strokes begin up to {float(np.ptp(late)):.2g} "
+        f"its {count} beats have unequal lengths: at {frequency:g} Hz their strokes start up to "
+        f"{float(np.ptp(late)):.2g} "
         f"periods apart; {cure}"
     )
 
@@ -176,7 +178,7 @@ def _beats(times: Array, count: int) -> list[NDArray[np.bool_]]:
 
 
 def _spread(times: Array, values: Array, harmonics: int) -> float | None:
-    """Standard deviation of an angle from beat to beat, rms over the beat; None for fewer than two whole beats."""
+    """Standard deviation of an angle from beat to beat, rms over the beat; None with fewer than two whole beats."""
     count = math.floor(times[-1] - times[0] + 1e-6 + np.median(np.diff(times)))
     if count < 2:
         return None

@@ -1,6 +1,7 @@
 """Prescribed motion of the pivot: plunge Z, pitch theta and surge Y, with exact first and second derivatives.
 
-Table 2 of Reade & Jankauski (2020) and other kinds. A motion is sampled once, at all steps of a case, before the march.
+Table 2 of Reade & Jankauski (2020) and other motions. A motion is sampled once, at all steps of a case, before the
+march.
 """
 
 import functools
@@ -19,9 +20,9 @@ PLUNGE, PLUNGE_RATE, PLUNGE_ACCEL, PITCH, PITCH_RATE, PITCH_ACCEL, SURGE, SURGE_
 """Columns of a sampled motion."""
 
 NOISE = 1e-9
-"""Plunge velocities below this share of the largest are round-off, not motion."""
+"""Share of the maximum plunge velocity below which a velocity is round-off."""
 ROUND_OFF = 1e-14
-"""A reversal is found when it moves by no more than this share of its time."""
+"""Relative tolerance of the time of a reversal."""
 ROUNDS = 60
 
 Array = NDArray[np.float64]
@@ -38,7 +39,8 @@ def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
 
 
 def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
-    """Times (s) of stroke reversal from `first` to `last`: where the velocity along the stroke changes sign, or rests.
+    """Times (s) of stroke reversal from `first` to `last`: where the velocity along the stroke changes sign or becomes
+    zero.
 
     Args:
         step: s; two reversals within a step may be missed.
@@ -48,8 +50,8 @@ def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
 
 @functools.lru_cache(maxsize=256)
 def _reversals(plunge: Travel, frequency: float | None, growth: float, first: float, last: float, step: float) -> Array:
-    """See `reversals`; the cases of a study mostly plunge alike."""
-    # Half a step off, so that a reversal at a time of the grid lies between two of them.
+    """Cached part of `reversals`, since the cases of a study often share their plunge."""
+    # Shifted by half a step, so that reversals at grid times lie inside an interval.
     count = math.ceil((last - first) / step) + 2
     times = first + step * (np.arange(count) - 0.5)
     rate = sample_axis(plunge, frequency, growth, times)[:, PLUNGE_RATE]
@@ -65,9 +67,9 @@ def _reversals(plunge: Travel, frequency: float | None, growth: float, first: fl
 
 
 def _turns(plunge: Callable[[Array], Array], early: Any, late: Any, forth: NDArray[np.bool_]) -> Any:
-    """The zero of the plunge velocity between each `early` and `late`; `forth`: it is positive before.
+    """Zero of the plunge velocity between each `early` and `late`; `forth`: the velocity is positive before.
 
-    Newton's steps on the exact acceleration, with a halving wherever one leaves the bracket or is not half the last.
+    Newton's method with the exact acceleration, and bisection where a step leaves the bracket or is not half the last.
     """
     times, moved = 0.5 * (early + late), late - early
     resolved = ROUND_OFF * np.maximum(np.abs(late), moved)
@@ -145,7 +147,7 @@ def flow_to_chord(motion: Motion, behind: float, stream: tuple[float, float], ti
     """Velocity (m/s) of the stream relative to the rigid chord at `times`, along it and across it.
 
     Args:
-        behind: distance of the place on the chord behind the pivot, m.
+        behind: distance of the point on the chord behind the pivot, m.
     """
     moved = sample(motion, times)
     cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
@@ -155,7 +157,7 @@ def flow_to_chord(motion: Motion, behind: float, stream: tuple[float, float], ti
 
 
 def typical_angle(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> float:
-    """Mean angle (degrees) of the flow to the rigid chord over `times`, weighted by the square of its speed.
+    """Mean angle of attack (degrees) of the rigid chord over `times`, weighted by the square of the speed.
 
     Arguments as of `flow_to_chord`.
     """
@@ -170,7 +172,7 @@ def sample_axis(axis: Travel, frequency: float | None, growth: float, times: NDA
     """Plunge, pitch or surge at `times` (s) with its derivatives, shape (times, 3).
 
     Args:
-        frequency: of what repeats, Hz.
+        frequency: frequency of periodic motions, Hz.
         growth: duration of the start-up, s.
     """
     followed = _follow(axis, frequency, times)

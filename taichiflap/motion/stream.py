@@ -1,4 +1,4 @@
-"""Forces across a free stream and against it."""
+"""Lift and thrust in a free stream."""
 
 import math
 
@@ -11,7 +11,9 @@ Array = NDArray[np.float64]
 
 
 def in_stream(case: Case, force_y: Array, force_z: Array) -> tuple[Array, Array]:
-    """Lift and thrust of a force (N): across the free stream, a quarter turn counter-clockwise from it, and against."""
+    """Lift and thrust (N) of a force: its component 90 degrees counter-clockwise from the stream, and against the
+    stream.
+    """
     speed = math.hypot(*case.fluid.velocity)
     stream_y, stream_z = (component / speed for component in case.fluid.velocity)
     return force_z * stream_y - force_y * stream_z, -(force_y * stream_y + force_z * stream_z)

@@ -1,8 +1,8 @@
 """Formulas of prescribed motions: each a function of time with its exact first and second derivatives.
 
-Every function takes times (s) and returns shape (times, 3): value, rate and acceleration, in the unit of its
-amplitude a second. Angles are in radians. They take complex times too, so that tests can differentiate them by a
-complex step; only `table`, which is a piecewise polynomial, does not.
+Every function takes times (s) and returns shape (times, 3): value, rate and acceleration, in units of the amplitude per
+second. Angles are in radians. All except the piecewise polynomial `table` accept complex times, so that tests can
+differentiate them with a complex step.
 """
 
 import functools
@@ -87,11 +87,12 @@ def ramp(
     hold: float | None,
     smoothing: float,
 ) -> Array:
-    """From `initial` by `amplitude` at a steady rate, its corners rounded; held, and back again if `hold` is a time.
+    """A ramp from `initial` by `amplitude` at a constant rate with rounded corners, and a return after `hold` if it is
+    given.
 
-    The pitch-up, hold and return of Eldredge, Wang & Ol, AIAA 2009-3687: ln cosh in the place of corners at the times
-    `start`, `start + ramp`, `start + ramp + hold` and `start + 2 ramp + hold`, over the value half-way; `smoothing` is
-    their `a U/c`, 1/s.
+    The pitch-up, hold and return of Eldredge, Wang & Ol, AIAA 2009-3687: ln cosh functions replace the corners at the
+    times `start`, `start + ramp`, `start + ramp + hold` and `start + 2 ramp + hold`, relative to the mid value;
+    `smoothing` is their `a U/c`, 1/s.
     """
 
     def rise(t: Any, begin: float) -> Any:
@@ -118,12 +119,13 @@ def table(
     smooth: int | None = None,
     tolerance: float | None = None,
 ) -> Array:
-    """A cubic spline through `points` (time, value): its second derivative is continuous, at a period's seam too.
+    """A cubic spline through `points` (time, value): its second derivative is continuous, also across the ends of a
+    period.
 
-    Times of points are in s; with a `frequency` the table repeats, and they are in periods.
+    Times of points are in s; with a `frequency` the table is periodic and times are in periods.
 
     Args:
-        smooth, tolerance: harmonics near the points in the place of a spline through them; see `fourier.series`.
+        smooth, tolerance: harmonics fitted to the points instead of a spline through them; see `fourier.series`.
     """
     if smooth or tolerance:
         found = fourier.series(points, smooth, tolerance)

@@ -1,4 +1,4 @@
-"""Figures. Nothing here is imported before a figure is asked for: matplotlib is heavy."""
+"""Figures. Matplotlib is imported only when a figure is drawn."""
 
 from ..doors import lazy
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..studies.converge import Convergence
 
 GREY = palette.LIGHT.faint
-"""Of cases for which the model does not hold."""
+"""Colour of cases in which the model is invalid."""
 CONTOURS = 8
 LINES_AT_MOST = 7
 MARKS = ("o", "^", "s", "D", "v", "P")
@@ -94,7 +94,7 @@ def _figures(sheet: Map, metrics: Sequence[str], numeric: int, whole: bool) -> d
 
 
 def convergence(found: "Convergence", stem: Path) -> list[Path]:
-    """Write `STEM.png` and `STEM.svg`: every metric against every key, as its deviation from the finest value."""
+    """Write `STEM.png` and `STEM.svg`: deviation of every metric from its finest value, against every key."""
     keys = list(dict.fromkeys(trial.key for trial in found.trials))
     with mpl.rc_context(style.current()):
         figure = Figure((WIDTH, 2.6), layout="constrained")
@@ -124,7 +124,7 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
 def heat_maps(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
     """One column of heat maps with contours for each value of a third key, one row a metric.
 
-    The first two numeric keys span the maps; what else varies is named over its column.
+    The first two numeric keys span the maps; other varied keys are named above the columns.
     """
     down, across = _varying(sheet)[:2]
     y, x = sheet.design.axes[down], sheet.design.axes[across]
@@ -142,7 +142,7 @@ def heat_maps(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure
                 levels = MaxNLocator(CONTOURS).tick_values(low, high)
                 drawn = ax.contour(*_middles(x, y, sheet), field, levels, colors="white", linewidths=0.5)
                 for text in ax.clabel(drawn, fontsize=6):
-                    # Readable on the bright end of the colours too.
+                    # Readable on bright colours as well.
                     text.set_path_effects([withStroke(linewidth=1.2, foreground="#00000080")])
             _scale_axes(ax, x, y)
             if ax in grid[0]:
@@ -157,7 +157,7 @@ def heat_maps(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure
 
 
 def lines(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
-    """Metrics over the one numeric key, a line for every combination of the others."""
+    """Metrics over a single numeric key, one line for every combination of the others."""
     along = _varying(sheet)[0]
     axis = sheet.design.axes[along]
     x, columns = _scaled(axis, sheet), _columns(sheet, {along})
@@ -183,7 +183,7 @@ def lines(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
 
 
 def scatter(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
-    """Metrics of a sample over each numeric key."""
+    """Metrics of a sample against each numeric key."""
     keys = [sheet.design.axes[i] for i in _varying(sheet)[:4]]
     figure = Figure((WIDTH, 0.4 + 1.6 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(keys), sharex="col", sharey="row", squeeze=False)
@@ -200,7 +200,7 @@ def scatter(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
 
 
 def pareto(sheet: Map, whole: bool = False) -> Figure:
-    """Vertical force, or lift and thrust, against power, and the front: the cases that none beats in both."""
+    """Vertical force, or lift and thrust, against power, with the Pareto front."""
     forces = gains(sheet.metrics)
     figure = Figure((0.55 * WIDTH * len(forces), 3.0), layout="constrained")
     for ax, name in zip(figure.subplots(1, len(forces), squeeze=False)[0], forces, strict=True):
@@ -230,26 +230,26 @@ def _draw_front(ax: Any, sheet: Map, name: str, whole: bool) -> None:
 
 
 def _holding(sheet: Map, name: str, whole: bool, doubtful: bool = False) -> np.ndarray:
-    """A metric as it is drawn, of the cases for which the model holds (or of all); or of those for which not."""
+    """A metric in display units, for the cases in which the model is valid (or all); or for the invalid ones."""
     broken = limits.broken(sheet).reshape(sheet.design.shape) & (not whole)
     return np.where(broken == doubtful, factor_of(sheet, name) * sheet.values(name), np.nan)
 
 
 def _note(sheet: Map, whole: bool, figure: str) -> str:
-    """What is grey, hatched or left out in a figure."""
+    """Note on grey, hatched or omitted cases in a figure."""
     said = []
     if not whole and limits.broken(sheet).any():
         word = "left out" if figure == "pareto" else "grey"
-        said.append(f"{word}: the model does not hold (tip beyond {BROKEN:g} chord, or forces of no flow)")
+        said.append(f"{word}: the model is invalid (tip deflection above {BROKEN:g} chord, or unphysical forces)")
     if figure == "map" and limits.bent(sheet).any():
-        said.append(f"hatched: the tip bends by more than {BENT:g} chords")
+        said.append(f"hatched: tip deflection above {BENT:g} chords")
     return "; ".join(said)
 
 
 def _shade(
     ax: Any, sheet: Map, sides: tuple[Axis, Axis], place: tuple[int, ...], spanned: tuple[int, int], whole: bool
 ) -> None:
-    """Grey where the model does not hold, behind the colours; hatching where the beam is beyond its range."""
+    """Grey behind the colours where the model is invalid; hatching where the linear beam is invalid."""
     broken, bend = (_slice(one.reshape(sheet.design.shape), place, *spanned) for one in (
         limits.broken(sheet), limits.bend(sheet)
     ))  # fmt: skip
@@ -264,12 +264,12 @@ def _shade(
 
 
 def _varying(sheet: Map) -> list[int]:
-    """Places of the keys that are an axis of a chart: of numbers, and of more than one."""
+    """Indices of the keys that can form an axis: numeric, with more than one value."""
     return [i for i, axis in enumerate(sheet.design.axes) if axis.numeric and len(set(axis.values)) > 1]
 
 
 def _columns(sheet: Map, spanned: set[int]) -> list[tuple[str, tuple[int, ...]]]:
-    """Titles and places of the values of all keys that are not spanned, evenly thinned to what a page holds."""
+    """Titles and indices of the values of all other keys, thinned evenly to fit a page."""
     rest = [i for i in range(len(sheet.design.axes)) if i not in spanned]
     shape = [len(sheet.design.axes[i].values) for i in rest]
     count = int(np.prod(shape, dtype=int))
@@ -290,7 +290,7 @@ def _slice(values: np.ndarray, place: tuple[int, ...], down: int, across: int) -
 
 
 def _groups(sheet: Map, position: int) -> dict[str, np.ndarray]:
-    """Numbers of the cases with each value of a key."""
+    """Indices of the cases with each value of a key."""
     axis = sheet.design.axes[position]
     numbers = np.arange(sheet.design.size)
     places = np.unravel_index(numbers, sheet.design.shape)[position if sheet.design.grid else 0]
@@ -307,7 +307,7 @@ def _middles(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _edges(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
-    """Borders of the cells around the values, half-way in whichever scale is drawn."""
+    """Borders of the cells around the values, half-way on a linear or logarithmic scale."""
     edges = []
     for axis in (x, y):
         values = np.log(_scaled(axis, sheet)) if is_log(axis) else _scaled(axis, sheet)

@@ -1,4 +1,4 @@
-"""A picture of a case before anything is run: the wing's path with its chord, the angle of attack, and the speeds."""
+"""Preview of a case before it is run: the wing's path with its chord, the angle of attack, and the speeds."""
 
 import math
 from pathlib import Path
@@ -23,7 +23,7 @@ from .style import WIDTH
 Array = NDArray[np.float64]
 
 CHORDS = 24
-"""Chord lines of a beat."""
+"""Number of chord lines per beat."""
 TIMES = 721
 MARGIN = 0.6
 """Free space around the path, chords."""
@@ -32,14 +32,14 @@ ARROW = 0.9
 
 
 def write(case: Case, path: Path, overwrite: bool = False) -> Path:
-    """Write the picture of a case to a file; its ending says as what.
+    """Write the preview of a case to a file; its extension gives the type.
 
     Raises:
-        OutputError: for another ending, or when the file exists already or cannot be written.
+        OutputError: for another extension, or if the file exists or cannot be written.
     """
     kind = path.suffix[1:].lower()
     if kind not in formats.KINDS:
-        raise files.OutputError(f"{path}: no picture is written as that; end the name in {', '.join(formats.KINDS)}")
+        raise files.OutputError(f"{path}: unsupported picture type; end the name in {', '.join(formats.KINDS)}")
     files.check(path, overwrite)
     (path,) = formats.write({"": preview(case)}, path.with_suffix(""), (kind,), style.current(), overwrite)
     return path
@@ -48,7 +48,7 @@ def write(case: Case, path: Path, overwrite: bool = False) -> Path:
 def preview(case: Case) -> Figure:
     """The wing's path with its chord, gravity, stroke plane and stream; angle of attack, pitch and speeds over time.
 
-    It shows a beat after the start-up, or the whole of a motion that does not repeat.
+    It shows a beat after the start-up, or the whole of a non-periodic motion.
     """
     times, turns, label = _instants(case)
     moved = sampling.sample(case.motion, times)
@@ -85,7 +85,7 @@ def preview(case: Case) -> Figure:
 
 
 def _instants(case: Case) -> tuple[Array, Array, str]:
-    """Times (s) of a whole beat after the start-up, what they are on the axis, and its label."""
+    """Times (s) of a whole beat after the start-up, their values on the axis, and its label."""
     length, label = scene.abscissa(case)
     first = math.ceil(case.motion.growth / case.beat - 1e-9) if case.periodic else 0
     share = np.linspace(0.0, 1.0, TIMES)
@@ -94,14 +94,14 @@ def _instants(case: Case) -> tuple[Array, Array, str]:
 
 def _title(case: Case, attack: Array, tip: Array) -> str:
     rate = f"{case.motion.frequency:g} Hz, " if case.motion.frequency else ""
-    said = f"trailing edge at {math.sqrt(np.mean(tip**2)):.3g} m/s (rms) and {tip.max():.3g} m/s at most"
+    said = f"trailing edge at {math.sqrt(np.mean(tip**2)):.3g} m/s (rms) and {tip.max():.3g} m/s (max)"
     if np.isfinite(attack).any():
         said += f", mean angle of attack {np.nanmean(attack):.3g} deg"
     return f"{printable(case.title) or 'untitled'}\n{rate}{said}"
 
 
 def _draw_path(ax: Any, case: Case, moved: Array) -> None:
-    """The pivot's path, the chord at even times, and what the plane's directions are."""
+    """The pivot's path, the chord at even times, and the directions of the plane."""
     wing = case.wing
     chord, ahead, behind = 1e3 * wing.chord, 1e3 * wing.pivot * wing.chord, 1e3 * (1.0 - wing.pivot) * wing.chord
     shown = moved[np.linspace(0, len(moved) - 1, CHORDS + 1).astype(int)]

@@ -1,4 +1,4 @@
-"""Figures for print: the last beat in numbers, and the wing with its wake or its loads at instants of that beat."""
+"""Figures for print: series over the last beat, and the wing with its wake or its loads at instants of that beat."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,12 +22,12 @@ from .style import WIDTH
 __all__ = ["panels", "plot", "summary", "wing"]
 
 POINTS = 72
-"""Points in an inch."""
+"""Points per inch."""
 INSTANTS = 8
 ARROWS = 9
 """Arrows of the load along a chord."""
 MANY_DOTS = 6000
-"""More dots than this are drawn as pixels in an SVG, lest it take minutes to open."""
+"""Above this number dots are drawn as pixels in an SVG, to keep the file small."""
 
 
 def plot(
@@ -44,8 +44,8 @@ def plot(
     """Write `STEM-summary` of all results, and `STEM-wing`, `STEM-wing-2`, ... of each, as PNG and SVG.
 
     Args:
-        stem: how the files' names begin, or a folder to put them in; the first result's own name, here, if None. With
-            the extension pdf, eps, svg or png they are written as that alone.
+        stem: start of the file names, or their folder; if None, the first result's name in the current folder. With the
+            extension pdf, eps, svg or png only that type is written.
         sheets: colour wakes by the edge that shed them instead of by circulation.
         width: of the figures, inches.
         metrics: names of series for the summary, in the place of tip deflection, forces and power.
@@ -73,13 +73,13 @@ def plot(
 
 
 def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
-    """The wing at instants of the last beat: with its wake if the model has one, else with the load on the chord.
+    """The wing at instants of the last beat, with its wake if the model has one, or else with the load on the chord.
 
     Raises:
         SceneError: when the result has no whole beat.
     """
     stored = scene.last_beats(result)
-    # A beat ends as it begins; a motion that does not repeat is shown to its end, and begins with no wake.
+    # A beat ends as it begins; a non-periodic motion starts without a wake and is shown to its end.
     instants = np.linspace(0, len(stored) - 1, INSTANTS + 1)
     chosen = stored[np.rint(instants).astype(int)[:-1] if result.case.periodic else np.rint(instants).astype(int)[1:]]
     frames = [scene.frame(result, int(index)) for index in chosen]
@@ -184,7 +184,7 @@ def _draw_load(ax: Any, frame: scene.Frame, shared: scene.Bounds, chord: float, 
 
 
 def _arrows(ax: Any, feet: np.ndarray, vectors: np.ndarray, scale: float, width: float) -> Any:
-    """Arrows on axes in mm; `scale` is what one metre stands for, `width` is in points."""
+    """Arrows on axes in mm; `scale` is the length per unit, `width` is in points."""
     return ax.quiver(
         *(1e3 * feet).T, *vectors.T, color=palette.LIGHT.force, angles="xy", scale_units="xy", scale=1e-3 * scale,
         units="inches", width=width / POINTS, headwidth=4.0, headlength=5.0, headaxislength=4.5, zorder=5,

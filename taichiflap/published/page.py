@@ -1,4 +1,4 @@
-"""A report as Markdown and as one HTML page that needs no other file."""
+"""A report as Markdown and as one self-contained HTML page."""
 
 import base64
 import html
@@ -18,14 +18,14 @@ class Heading:
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph; `backticks` set code."""
+    """A paragraph; `backticks` mark code."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text; a cell that is a number is set to the right."""
+    """A table of text; numbers are aligned to the right."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -33,7 +33,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure: the stem of its PNG and SVG beside the report, and a caption."""
+    """A figure: the stem of its PNG and SVG files, and a caption."""
 
     name: str
     caption: str
@@ -52,12 +52,12 @@ figcaption{color:#5c6570;font-size:.9rem}code{background:#eceff2;padding:0 .2em;
 
 
 def markdown(blocks: Sequence[Block]) -> str:
-    """The report as Markdown; figures are linked as PNG files beside it."""
+    """The report as Markdown, with links to PNG figures."""
     return "\n\n".join(map(_markdown, blocks)) + "\n"
 
 
 def page(blocks: Sequence[Block], folder: Path) -> str:
-    """The report as one HTML page, the figures' SVG from `folder` inside it."""
+    """The report as one HTML page with embedded SVG figures from `folder`."""
     title = next((block.text for block in blocks if isinstance(block, Heading)), "")
     body = "\n".join(_html(block, folder) for block in blocks)
     return (

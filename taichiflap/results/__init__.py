@@ -1,4 +1,4 @@
-"""The result file: written so that no crash can damage it, and read."""
+"""The result file: crash-safe writing, and reading."""
 
 from ..doors import lazy
 

@@ -1,4 +1,4 @@
-"""The state of a run beside its unfinished file, to go on from after a crash: `NAME.state`."""
+"""The state of an unfinished run, stored as `NAME.state`, from which it continues after a crash."""
 
 import contextlib
 import logging
@@ -17,12 +17,12 @@ from ..notation import printable
 
 SUFFIX = ".state"
 SECONDS = 1.0
-"""Time between two checkpoints: what a crash may cost."""
+"""Time between two checkpoints, s: the most that a crash can cost."""
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What a march needs to go on: the coming step, the case's arrays, and the seconds spent so far."""
+    """What a march needs to continue: the next step, the case's arrays, and the time (s) spent so far."""
 
     next_step: int
     solve_time: float
@@ -30,15 +30,15 @@ class Checkpoint:
 
 
 def beside(path: Path) -> Path:
-    """Where the checkpoint of the run that writes `path` stands."""
+    """Path of the checkpoint of the run that writes `path`."""
     return path.with_name(path.name + SUFFIX)
 
 
 def save(path: Path, case: Case, checkpoint: Checkpoint) -> None:
-    """Write the checkpoint of a run. A crash at any moment leaves this one or the one before.
+    """Write the checkpoint of a run. After a crash at any moment this one or the previous one exists.
 
     Raises:
-        OSError: when the disk refuses.
+        OSError: if it cannot be written.
     """
     place = beside(path)
     draft = place.with_name(f".{place.name}.{os.getpid()}")
@@ -54,18 +54,18 @@ def save(path: Path, case: Case, checkpoint: Checkpoint) -> None:
 
 
 def load(path: Path, case: Case) -> Checkpoint | None:
-    """The checkpoint of a case, or None: without one, a run goes on from its beginning, with the same numbers.
+    """The checkpoint of a case, or None; a run without one starts from the beginning, with the same results.
 
-    Whether its state is one of the case is for the march to tell.
+    The march checks whether its state fits the case.
     """
     try:
         with open(beside(path), "rb") as file:
             if not zipfile.is_zipfile(file) or any(one.compress_type for one in zipfile.ZipFile(file).infolist()):
-                raise ValueError("not as it was written")
+                raise ValueError("its checksum does not match")
             file.seek(0)
             with np.load(file, allow_pickle=False) as stored:
                 if str(stored["of"]) != _origin(case):
-                    raise ValueError("of another case")
+                    raise ValueError("it belongs to another case")
                 state = {name.removeprefix("state."): stored[name] for name in stored if name.startswith("state.")}
                 next_step, solve_time = int(stored["next_step"]), float(stored["solve_time"])
         if not 0.0 <= solve_time < np.inf or not 0 < next_step <= MAX_STEPS + 1:
@@ -73,21 +73,21 @@ def load(path: Path, case: Case) -> Checkpoint | None:
         return Checkpoint(next_step, solve_time, state)
     except FileNotFoundError:
         return None
-    except Exception as error:  # whatever NumPy and zipfile make of damage
+    except Exception as error:  # any exception of NumPy and zipfile for damaged data
         tell(path, str(error).partition("\n")[0])
         return None
 
 
 def tell(path: Path | None, why: str) -> None:
-    """Say that a checkpoint cannot be used."""
+    """Log that a checkpoint cannot be used."""
     if path is not None:
         logging.getLogger("taichiflap").warning(
-            "%s cannot be used, so the run begins at its start: %s", printable(str(beside(path))), printable(why)
+            "%s cannot be used, so the run starts from the beginning: %s", printable(str(beside(path))), printable(why)
         )
 
 
 def discard(path: Path) -> None:
-    """Remove the checkpoint, if there is one."""
+    """Remove the checkpoint, if it exists."""
     with contextlib.suppress(OSError):
         beside(path).unlink()
 

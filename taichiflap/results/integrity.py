@@ -1,7 +1,7 @@
-"""Whether an HDF5 file holds what it says, looked at before any of it is read.
+"""Checks of an HDF5 file before any of its data are read.
 
-A damaged or hostile file may declare more than it holds, lead elsewhere by links, external storage or virtual
-datasets, or ask for filters that HDF5 would load from disk. Here all of that is refused while it is but a few bytes.
+A damaged or hostile file may declare more data than it holds, refer to other files by links, external storage or
+virtual datasets, or ask for filters that HDF5 would load from disk. All of this is refused before it can do harm.
 """
 
 import functools
@@ -17,23 +17,23 @@ from ..notation import printable
 Found = TypeVar("Found")
 
 OF_LINES = ("case", "warnings", "history")
-"""Attributes that may have several lines; of another, a second line would be taken for ours."""
+"""Attributes that may have several lines; extra lines in others could imitate our own output."""
 MOST_TEXT = 2**26
-"""Bytes of an attribute: a case holds its tables of motion."""
+"""Maximum size of an attribute, bytes; a case contains its motion tables."""
 MOST_LABEL = 2**12
-"""Bytes of a text in an array."""
+"""Maximum size of a text in an array, bytes."""
 MOST_NUMBERS = 10**8
-"""Entries of an array whose room the file need not hold yet."""
+"""Maximum number of entries of an array whose space is not allocated in the file yet."""
 SAFE_FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE)
 LARGEST = {4: 1e18, 8: 1e100}
-"""No quantity is larger, by the bytes of a number: its square is still finite."""
+"""Maximum magnitude of a value by the size of its type in bytes; its square is finite."""
 
 DAMAGE = (OSError, RuntimeError, LookupError, TypeError, ValueError, ArithmeticError, MemoryError)
-"""What HDF5 and h5py raise on damaged files."""
+"""Exceptions that HDF5 and h5py raise for damaged files."""
 
 
 class DamageError(UserError):
-    """Something in a file that cannot be, in a few words."""
+    """Raised for invalid content of a file; a short description."""
 
 
 def _in_words(look: Callable[..., Found]) -> Callable[..., Found]:
@@ -50,7 +50,7 @@ def _in_words(look: Callable[..., Found]) -> Callable[..., Found]:
 
 
 def plain(value: str | bytes) -> str:
-    """Lines as they may be printed: no half characters, and none that steer a terminal."""
+    """Lines made printable: without invalid characters and terminal control codes."""
     text = value.decode(errors="replace") if isinstance(value, bytes) else value
     text = text.encode(errors="surrogateescape").decode(errors="replace")
     return "\n".join(map(printable, text.replace("\t", " ").split("\n")))
@@ -61,30 +61,30 @@ def attribute(file: Any, name: str) -> Any:
     """A scalar attribute: plain text or a number.
 
     Raises:
-        DamageError: when it is missing, large, or something else.
+        DamageError: if it is missing, too large, or of another type.
     """
     if name not in file.attrs:
         raise DamageError(f"{name} is missing")
     stored = h5py.h5a.open(file.id, name.encode())
     if stored.shape != () or stored.get_storage_size() > MOST_TEXT:
-        raise DamageError(f"{name} is no text or number")
+        raise DamageError(f"{name} is neither text nor a number")
     if stored.dtype.kind == "O":
         raise DamageError(
-            f"{name} is text of varying length, as other programs write it, and taichiflap before November 2026"
+            f"{name} is text of variable length, as written by other programs and by taichiflap before November 2026"
         )
     value = file.attrs[name]
     if isinstance(value, str | bytes):
         return plain(value) if name in OF_LINES else printable(plain(value))
     if not isinstance(value, np.number):
-        raise DamageError(f"{name} is no text or number")
+        raise DamageError(f"{name} is neither text nor a number")
     return value.item()
 
 
 def attributes(file: Any, names: Iterable[str]) -> dict[str, Any]:
-    """Those of some scalar attributes that there are.
+    """Those of the given scalar attributes that exist.
 
     Raises:
-        DamageError: when one is not what it should be.
+        DamageError: if one is invalid.
     """
     return {name: attribute(file, name) for name in names if _has(file, name)}
 
@@ -99,18 +99,18 @@ def array(group: Any, name: str, shape: tuple[int | None, ...], kinds: str, *, w
     """Check a dataset, and return its shape.
 
     Args:
-        shape: what it must be; None for any length.
-        kinds: NumPy's letters of the kinds of number that it may hold, such as "if"; "S" is text.
-        whole: whether all its room must be in the file, in one piece.
+        shape: expected shape; None for any length.
+        kinds: NumPy kind letters that are allowed, such as "if"; "S" is text.
+        whole: whether it must be fully allocated and contiguous.
 
     Raises:
-        DamageError: when it is something else, or elsewhere.
+        DamageError: if it is invalid or stored outside the file.
     """
     if name not in group or not isinstance(group.get(name, getlink=True), h5py.HardLink):
         raise DamageError(f"{name} is missing")
     dataset = group[name]
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in kinds:
-        raise DamageError(f"{name} is no array of numbers")
+        raise DamageError(f"{name} is not an array of numbers")
     if dataset.dtype.itemsize > (MOST_LABEL if dataset.dtype.kind == "S" else 8):
         raise DamageError(f"{name} has entries of {dataset.dtype.itemsize} bytes")
     found = dataset.shape or ()
@@ -123,32 +123,32 @@ def array(group: Any, name: str, shape: tuple[int | None, ...], kinds: str, *, w
     if whole:
         offset, size = dataset.id.get_offset(), int(dataset.nbytes)
         if size and (offset is None or offset + size > group.file.id.get_filesize()):
-            raise DamageError(f"{name} is cut off")
+            raise DamageError(f"{name} is truncated")
     elif dataset.size > MOST_NUMBERS:
-        raise DamageError(f"{name} is larger than any")
+        raise DamageError(f"{name} is too large")
     return tuple(found)
 
 
 @_in_words
 def group(file: Any, name: str) -> Any:
-    """A group of the file itself.
+    """A group stored in the file itself.
 
     Raises:
-        DamageError: when there is none.
+        DamageError: if there is none.
     """
     if name not in file or not isinstance(file.get(name, getlink=True), h5py.HardLink):
         raise DamageError(f"{name} is missing")
     if not isinstance(file[name], h5py.Group):
-        raise DamageError(f"{name} is no group")
+        raise DamageError(f"{name} is not a group")
     return file[name]
 
 
 def numbers(values: np.ndarray, name: str) -> np.ndarray:
-    """The values themselves, if each is a number that a quantity can have.
+    """The values, if all are finite and within range.
 
     Raises:
-        DamageError: when one is not.
+        DamageError: if a value is not.
     """
     if values.dtype.kind == "f" and not np.abs(values).max(initial=0.0) < LARGEST[values.dtype.itemsize]:
-        raise DamageError(f"{name} holds what is no number, or larger than any")
+        raise DamageError(f"{name} has values that are not numbers or out of range")
     return values

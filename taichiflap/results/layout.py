@@ -1,4 +1,4 @@
-"""What stands where in a result file: everything at its full length, from the start."""
+"""Layout of a result file: everything has its full length from the start."""
 
 import time
 from collections.abc import Mapping
@@ -26,20 +26,20 @@ from .variables import (
 )
 
 WARNING_BYTES = 512
-"""Room for what turns out to be implausible in the end."""
+"""Space reserved for warnings that arise at the end of a run, bytes."""
 
 Sample = Mapping[str, np.ndarray]
-"""The variables of any number of frames, none included: it gives the shape of a frame."""
+"""Variables for any number of frames, including zero; defines the shape of a frame."""
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What a fluid model adds to the file of a case.
+    """Arrays that a fluid model adds to the file of a case.
 
     Attributes:
-        outputs: the variables that it stores, by name; that of a ragged one is `GROUP/NAME`.
-        axes: the values of the axes that they need beyond those of every file, and what these are.
-        room: the length of every ragged axis.
+        outputs: its stored variables, by name; ragged ones are named `GROUP/NAME`.
+        axes: values and descriptions of its additional axes.
+        room: length of every ragged axis.
     """
 
     outputs: Mapping[str, Variable] = field(default_factory=dict)
@@ -48,13 +48,13 @@ class Contents:
 
 
 def plan(sample: Sample, contents: Contents) -> dict[str, Variable]:
-    """The variables over time of a file: those of every model that are not empty, then the fluid model's own."""
+    """Variables over time of a file: the common ones that are not empty, then the fluid model's own."""
     own = {name: one for name, one in VARIABLES.items() if name in sample} | dict(contents.outputs)
     return {name: one for name, one in own.items() if "/" in name or np.prod(sample[name].shape[1:])}
 
 
 def size(case: Case, sample: Sample, contents: Contents) -> int:
-    """Bytes that the variables of a case take."""
+    """Size of the variables of a case, bytes."""
     total = 0
     for name, one in plan(sample, contents).items():
         ragged = "/" in name
@@ -65,33 +65,33 @@ def size(case: Case, sample: Sample, contents: Contents) -> int:
 
 
 def groups(plan: Mapping[str, Variable]) -> list[str]:
-    """The ragged groups of a plan."""
+    """Ragged groups of a plan."""
     return list(dict.fromkeys(name.partition("/")[0] for name in plan if "/" in name))
 
 
 def times(case: Case) -> tuple[str, ...]:
-    """The axes of time that a case has: of the frames too, if not every step has one."""
+    """Time axes of a case: that of the steps, and that of the frames if they differ."""
     return ("time",) if case.output.every == 1 else ("time", FIELD_TIME)
 
 
 def rows(case: Case) -> dict[str, int]:
-    """Length of the axes of time."""
+    """Length of the time axes."""
     return {"time": case.steps + 1, FIELD_TIME: case.frames()}
 
 
 def axes(nodes: np.ndarray, section: Modes, contents: Contents) -> dict[str, tuple[np.ndarray, Variable]]:
-    """Values and meaning of every axis but those of time and the ragged ones."""
+    """Values and description of every axis except time and ragged axes."""
     found = {
         "mode": np.arange(1, section.count + 1),
         "node": nodes,
         "panel": 0.5 * (nodes[1:] + nodes[:-1]),
-        "component": np.array(COMPONENTS, dtype=object),  # for others: a `Result` knows them
+        "component": np.array(COMPONENTS, dtype=object),  # for other programs; `Result` has its own
     }
     return {name: (values, AXES[name]) for name, values in found.items() if len(values)} | dict(contents.axes)
 
 
 def modes(nodes: np.ndarray, section: Modes) -> dict[str, np.ndarray]:
-    """The arrays of the group of modes; none of a rigid wing."""
+    """Arrays of the group of modes; empty for a rigid wing."""
     if not section.count:
         return {}
     return {
@@ -104,10 +104,10 @@ def modes(nodes: np.ndarray, section: Modes) -> dict[str, np.ndarray]:
 
 
 def words(case: Case, began: float) -> dict[str, str]:
-    """What a result says about itself from the start.
+    """Attributes of a result known from the start.
 
     Args:
-        began: when, in seconds since the epoch.
+        began: start time, in seconds since the epoch.
     """
     when = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(began))
     return {
@@ -120,17 +120,17 @@ def words(case: Case, began: float) -> dict[str, str]:
 
 
 class Layout:
-    """Gives everything of a case its place in an empty file.
+    """Allocates all arrays of a case in an empty file.
 
     Args:
-        file: open for writing.
-        case: what is being computed.
-        began: when, in seconds since the epoch.
-        warnings: what makes the case implausible.
+        file: file open for writing.
+        case: the case being computed.
+        began: start time, in seconds since the epoch.
+        warnings: warnings about the case.
         nodes: chordwise positions of the nodes, m.
         section: the wing's modes.
         sample: the variables, see `Sample`.
-        contents: what the fluid model adds.
+        contents: arrays that the fluid model adds.
     """
 
     def __init__(
@@ -159,7 +159,7 @@ class Layout:
     def _describe(self, case: Case, began: float, warnings: list[str]) -> None:
         hdf.note(self._file, words(case, began))
         self._file.attrs.update({"taichiflap_format": FORMAT} | dict.fromkeys(FIGURES, np.nan))
-        # With room, so that they too change where they stand.
+        # With reserved space, so that they can be changed in place.
         warned = "\n".join(warnings)
         hdf.note(self._file, {"warnings": warned}, len(warned.encode()) + WARNING_BYTES)
         hdf.note(self._file, {"status": "running"}, len("complete"))
@@ -169,18 +169,18 @@ class Layout:
         axes = variable.axes(self._every)
         self._attach(_place(self._file, name, (self._rows[axes[0]], *shape), variable.dtype), variable)
         if name not in VARIABLES:
-            # What a reader of ours goes by: a variable of the model's own.
+            # Marks a variable of the fluid model for our reader.
             hdf.note(self._file[name], {AXES_OF: " ".join(axes)})
 
     def _lay_out_ragged(self, name: str, members: Mapping[str, Variable], room: Mapping[str, int]) -> None:
         group = self._file.create_group(name)
         (along,) = {one.dimensions[0] for one in members.values()}
-        # In chunks that are never written: it takes no room.
+        # In chunks that are never written, so that it takes no space.
         axis = group.create_dataset(along, (room[along],), "f4", chunks=(8192,), maxshape=(None,))
         axis.make_scale(NO_COORDINATE)
         self._axes[along] = axis
         for member, variable in members.items():
-            # Whatever stands there: the frames to come count no entries.
+            # Future frames have no entries, whatever the disk contains there.
             placed = _place(group, member, (room[along],), variable.dtype, fill_time="never")
             self._attach(placed, variable)
         counted = count_of(name)
@@ -200,7 +200,7 @@ class Layout:
 
 
 def _place(group: Any, name: str, shape: tuple[int, ...], kind: str, **fill: Any) -> Any:
-    """A dataset in one piece whose room is reserved, and filled, at once: with not-a-number, or 0 in integers."""
+    """A contiguous dataset, allocated and filled at once with NaN (0 for integers)."""
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     fill = fill or {"fillvalue": 0 if kind.startswith("i") else np.nan}

@@ -1,4 +1,4 @@
-"""A result in memory: plain arrays in the places of a result file, and no file at all."""
+"""A result in memory: plain arrays with the structure of a result file."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ from .writer import Writer
 
 
 class Array:
-    """An array as HDF5 has it: what is read of it is the reader's own, to change at will."""
+    """An array with the interface of HDF5 datasets: reading returns a copy."""
 
     def __init__(self, values: NDArray[Any]) -> None:
         self.values = values
@@ -33,7 +33,7 @@ class Array:
 
 
 class Store(Mapping[str, Any]):
-    """Arrays by name, groups of them by the part of the name before a slash: the content of a file without the file."""
+    """Arrays by name, with groups by the part of the name before a slash: the content of a file."""
 
     def __init__(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._arrays = {name: Array(values) for name, values in arrays.items()}
@@ -56,7 +56,7 @@ class Store(Mapping[str, Any]):
         return name in self._arrays or name in self._groups
 
     def close(self) -> None:
-        """Forget everything."""
+        """Release all arrays."""
         self._arrays.clear()
         self._groups.clear()
 
@@ -69,7 +69,7 @@ class Memory(Recorder):
         self._arrays: dict[str, NDArray[Any]] = {}
 
     def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
-        """Make room for everything. Arguments as of `Recorder.lay_out`."""
+        """Allocate all arrays. Same arguments as `Recorder.lay_out`."""
         contents = contents or Contents()
         self._plan = layout.plan(sample, contents)
         self._recipe = nodes, section, sample, contents
@@ -90,7 +90,7 @@ class Memory(Recorder):
             self._arrays[f"{group}/count"] = np.zeros(length, counted.dtype)
 
     def _filled(self, name: str) -> NDArray[Any]:
-        """The rows of a variable that have been recorded."""
+        """Recorded rows of a variable."""
         group, slash, member = name.partition("/")
         if slash and member != "count":
             return self._arrays[name][: self._entries.get(group, 0)]
@@ -101,7 +101,7 @@ class Memory(Recorder):
         self._arrays[name][first : first + len(values)] = values
 
     def written(self, name: str) -> np.ndarray:
-        """What was appended of a variable of one value a step."""
+        """Recorded values of a variable with one value per step."""
         return self._arrays[name][: self.steps]
 
     def finish(
@@ -111,27 +111,27 @@ class Memory(Recorder):
         reason: str = "",
         warnings: Sequence[str] = (),
     ) -> Result:
-        """The result, open for reading. Arguments as of `Recorder.finish`."""
+        """The result, open for reading. Same arguments as `Recorder.finish`."""
         ending = {"status": status, "figures": dict(figures or {}), "reason": reason, "warnings": list(warnings)}
         ragged = {name: self._filled(name) for name in self._plan if "/" in name}
         return MemoryResult(self, Store(self._arrays | ragged), ending)
 
     @property
     def own(self) -> dict[str, Variable]:
-        """The variables over time that only the fluid model knows."""
+        """Variables over time that only the fluid model defines."""
         every = self.case.output.every
         names = sorted(name for name in self._plan if name not in VARIABLES and "/" not in name)
         return {name: replace(self._plan[name], dimensions=self._plan[name].axes(every)) for name in names}
 
     def said(self, ending: Mapping[str, Any]) -> dict[str, Any]:
-        """The attributes of the result with such an ending."""
+        """Attributes of the result at the end of the run."""
         about = {"warnings": "\n".join([*self._warnings, *ending["warnings"]])}
         about |= {name: ending[name] for name in ("status", "reason")}
         figures = dict.fromkeys(FIGURES, np.nan) | ending["figures"]
         return {**layout.words(self.case, self.began), "taichiflap_format": FORMAT, **about, **figures}
 
     def write(self, path: Path, overwrite: bool, ending: Mapping[str, Any]) -> None:
-        """Write what was recorded to a file.
+        """Write the recorded data to a file.
 
         Raises:
             ResultError: when the file exists already, or cannot be written.
@@ -148,7 +148,7 @@ class Memory(Recorder):
 
 
 class MemoryResult(Result):
-    """A result that has no file. It reads as one from a file does; `save` writes it."""
+    """A result without a file. It has the same interface as one from a file; `save` writes it."""
 
     def __init__(self, recorded: Memory, arrays: Store, ending: Mapping[str, Any]) -> None:
         self._recorded, self._ending = recorded, ending
@@ -170,5 +170,5 @@ class MemoryResult(Result):
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the result to a file, see `Result.save`."""
         if not len(self.file):
-            raise ResultError(f"{path}: the result has been closed, and is lost")
+            raise ResultError(f"{path}: cannot be saved: the result in memory has been closed")
         self._recorded.write(Path(path), overwrite, self._ending)

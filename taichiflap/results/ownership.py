@@ -1,4 +1,4 @@
-"""Who may write a result under a name, and how a file gets it: never in the place of what another run has put there."""
+"""Ownership of result files: locks and renaming that never replace another run's file."""
 
 import os
 import shutil
@@ -20,7 +20,7 @@ def finished(path: Path, case: Case) -> Result | None:
     """The finished result of a case, or None.
 
     Raises:
-        ResultError: when the file is of another case, or no result.
+        ResultError: if the file holds another case, or is not a result.
     """
     if disk.trouble(path) or not path.is_file():
         return None
@@ -39,7 +39,7 @@ def check(path: Path, overwrite: bool) -> None:
     if path.is_dir():
         raise ResultError(f"{path}: is a directory; name a file, for example {path / 'result.h5'}")
     if path.exists() and not overwrite:
-        raise ResultError(f"{path}: exists already; --overwrite replaces it, -o writes elsewhere")
+        raise ResultError(f"{path}: exists already; use --overwrite to replace it, or -o to write elsewhere")
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass
@@ -50,10 +50,10 @@ def check(path: Path, overwrite: bool) -> None:
 
 
 def lock(path: Path) -> disk.Lock:
-    """The right to write a result and what an interrupted run has left of it.
+    """Lock for writing a result, and the file left by an interrupted run.
 
     Raises:
-        ResultError: when another run has it, or there can be no file.
+        ResultError: if another run holds it, or no file can be created.
     """
     try:
         return disk.Lock(path)
@@ -64,11 +64,11 @@ def lock(path: Path) -> disk.Lock:
 
 
 def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> hdf.Guarded | None:
-    """The file that an interrupted run has left, to go on with; None to begin anew."""
+    """The file of an interrupted run to continue; None to start from the beginning."""
     if overwrite or not part(path).exists():
         return None
     if not resume:
-        left = "an interrupted run has left its frames; --resume goes on with them, --overwrite begins anew"
+        left = "an interrupted run left this file; use --resume to continue it, or --overwrite to start again"
         raise ResultError(f"{path}: {left}")
     try:
         with h5py.File(part(path), "r", locking=False) as file:
@@ -76,14 +76,14 @@ def reopen(path: Path, case: Case, overwrite: bool, resume: bool) -> hdf.Guarded
         open_result(part(path)).close()
         return hdf.Guarded(part(path), fresh=False)
     except OSError as error:
-        raise ResultError(f"{part(path)}: is in the way: {first_line(error)}; --overwrite replaces it") from None
+        raise ResultError(f"{part(path)}: cannot be used: {first_line(error)}; use --overwrite to replace it") from None
 
 
 def copy(source: Path, path: Path, overwrite: bool) -> None:
     """Copy a finished result to another name.
 
     Raises:
-        ResultError: when that exists already, is being written, or cannot be written.
+        ResultError: if that exists, is being written, or cannot be written.
     """
     check(path, overwrite)
     held = lock(path)
@@ -110,29 +110,29 @@ def _check_same(file: Any, path: Path, case: Case) -> None:
 
 def _difference(name: str, theirs: str, ours: str) -> str:
     if name == "source":
-        return f"{theirs} began it, this is {ours}; --overwrite begins anew"
+        return f"it was started with {theirs}, this is {ours}; use --overwrite to start again"
     lines = [one for one in zip(theirs.splitlines(), ours.splitlines(), strict=False) if one[0] != one[1]]
     said = f": {lines[0][0]} there, {lines[0][1]} here" if lines else ""
-    return f"it is of another case{said}; --overwrite begins anew"
+    return f"it holds another case{said}; use --overwrite to start again"
 
 
 def move(source: Path, target: Path, overwrite: bool) -> None:
-    """Rename a file, synced; only if told so, in the place of another.
+    """Rename a synced file; another file is replaced only on request.
 
     Raises:
-        FileExistsError: when the target exists and is not to be replaced.
-        OSError: when the system refuses.
+        FileExistsError: if the target exists and may not be replaced.
+        OSError: if the system refuses.
     """
     disk.sync(source)
     if overwrite:
         os.replace(source, target)
         return
     try:
-        # Unlike a renaming, a link never takes the place of what another run has put there in the meantime.
+        # Unlike a rename, a link never replaces a file that another run has created meanwhile.
         os.link(source, target)
     except FileExistsError:
         raise
-    except OSError:  # a file system without links
+    except OSError:  # the file system has no links
         os.rename(source, target)
     else:
         os.unlink(source)

@@ -1,4 +1,4 @@
-"""The result file, read: HDF5 that opens in xarray, netCDF4 and MATLAB with no code of ours."""
+"""Reading of result files: HDF5 that also opens in xarray, netCDF4 and MATLAB."""
 
 import bisect
 import functools
@@ -29,20 +29,21 @@ from .variables import (
 )
 
 FORMAT = 2
-"""Version of the layout; a reader refuses files of a newer one. The first stored series in the frames alone."""
+"""Version of the layout; readers refuse files of a newer version. Version 1 stored series only in the frames."""
 
 PART = ".part"
-"""What the name of a file ends in until it is complete."""
+"""Suffix of a file that is not complete yet."""
 
 ATTRIBUTES = (
     "Conventions", "title", "source", "history", "taichiflap_format", "case", "warnings", "solve_time", "status",
     "reason", "energy_residual", "reference_speed", "reference_area",
 )  # fmt: skip
-"""What a file says about itself."""
+"""Text attributes of a file."""
 
 FIGURES = ("solve_time", "energy_residual", "reference_speed", "reference_area")
-"""Numbers among them, known at the end: s; the share of the work that is unaccounted for; and what coefficients are
-made with, m/s and m2. NaN where there is none."""
+"""Numeric attributes, known at the end: solve time, s; unaccounted share of the work; reference speed and area of
+coefficients, m/s and m2. NaN if undefined.
+"""
 
 STATUSES = ("running", "complete", "failed")
 
@@ -51,18 +52,19 @@ REQUIRED = (
     "force_vertical", "force_vertical_normal", "moment", "power", "power_aerodynamic", "power_inertial",
     "node_position", "pressure_jump",
 )  # fmt: skip
-"""Variables that every model has; those over modes only if the wing bends."""
+"""Variables of every model; those over modes only for a flexible wing."""
 
 
 class ResultError(UserError):
-    """A result file that cannot be read or written: one sentence with the path and the cause."""
+    """Raised for a result file that cannot be read or written; one sentence with the path and the cause."""
 
 
 class Result:
-    """A result, read as needed: `result.tip_deflection` is an array, `result.case` the case, in SI units.
+    """A result, read on demand, in SI units: `result.tip_deflection` is an array, `result.case` the case.
 
-    Every variable of the file is an attribute; `dir(result)` and `result.variables` list them. Series have every step
-    of the march, `result.time`. Fields have frames: every `output.every`-th step and the last, `result.field_time`.
+    Every variable of the file is an attribute; `dir(result)` and `result.variables` list them. Series have a value at
+    every step, at `result.time`. Fields have a frame every `output.every` steps and at the last step, at
+    `result.field_time`.
     """
 
     def __init__(self, file: Any, path: Path | None = None) -> None:
@@ -70,12 +72,12 @@ class Result:
         self.path = path
         self._steps = _whole_steps(file)
         self._ends: dict[str, np.ndarray] = {}
-        # An open dataset keeps its chunks: frames in a row are read from memory.
+        # Open datasets cache their chunks, so that consecutive frames are read from memory.
         self._open: dict[str, Any] = {}
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("_") or name not in self.variables:
-            raise AttributeError(f"no variable {name!r} in this result; it has {', '.join(self.variables)}")
+            raise AttributeError(f"this result has no variable {name!r}; it has {', '.join(self.variables)}")
         return self._sound(name, self.file[name][: self._rows(name)])
 
     def __dir__(self) -> list[str]:
@@ -108,7 +110,7 @@ class Result:
         return Inline(self, height)
 
     def close(self) -> None:
-        """Close the file; of a result in memory nothing is left but what was saved."""
+        """Close the file. A result in memory is lost unless it was saved."""
         self.file.close()
 
     @functools.cached_property
@@ -118,25 +120,25 @@ class Result:
 
     @functools.cached_property
     def _own(self) -> dict[str, Variable]:
-        """The variables that only their fluid model knows."""
+        """Variables that only the fluid model defines."""
         return _own_variables(self.file)
 
     def describe(self, name: str) -> Variable:
-        """What a variable is: its axes, units and meaning."""
+        """Axes, units and description of a variable."""
         if name in (*AXES, *self._own):
             return AXES[name] if name in AXES else self._own[name]
         return replace(VARIABLES[name], dimensions=VARIABLES[name].axes(self.case.output.every))
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """The file's own attributes: title, source, status, solve time ..."""
+        """Attributes of the file: title, source, status, solve time ..."""
         said = self._said(ATTRIBUTES)
-        # What a run is yet to fill in.
+        # Set at the end of a run.
         unknown = [name for name, value in said.items() if value != value or (name == "reason" and not value)]  # noqa: PLR0124
         return {name: value for name, value in said.items() if name not in unknown}
 
     def _said(self, names: Iterable[str]) -> dict[str, Any]:
-        """Those of some of its attributes that there are."""
+        """Those of the given attributes that exist."""
         return integrity.attributes(self.file, names)
 
     @property
@@ -151,17 +153,17 @@ class Result:
 
     @property
     def steps(self) -> int:
-        """Number of steps stored, step 0 included, as of the opening or the last `refresh`."""
+        """Number of stored steps, including step 0, when opened or last refreshed."""
         return self._steps
 
     @property
     def frames(self) -> int:
-        """Number of frames of fields stored, as of the opening or the last `refresh`."""
+        """Number of stored frames, when opened or last refreshed."""
         return self.case.frames(self._steps)
 
     @property
     def field_time(self) -> np.ndarray:
-        """Times of the frames, s; `time` itself where every step stores its fields."""
+        """Times of the frames, s; equal to `time` if every step stores its fields."""
         name = FIELD_TIME if FIELD_TIME in self.file else "time"
         return self._sound(name, self.file[name][: self.frames])
 
@@ -177,23 +179,23 @@ class Result:
     def modes(self) -> dict[str, np.ndarray]:
         """`frequency` (Hz), `damping_ratio`, `lambda`, `psi` and `shape` (mode, node) of the elastic modes.
 
-        A rigid wing has none: its file has no modal variable and no `mode` axis.
+        Empty for a rigid wing, whose file has no modal variables and no `mode` axis.
         """
         return {name: values[...] for name, values in self.file.get("modes", {}).items()}
 
     def frame(self, name: str, index: int) -> np.ndarray:
-        """One frame of a variable, without reading the others; of a series its value at the frame's time."""
+        """One frame of a variable, read alone; for a series the value at the frame's time."""
         index = range(self.frames)[index]
         row = index if self._is_field(name) else int(self.case.step_of(index))
         return self._sound(name, self._dataset(name)[row])
 
     def between(self, name: str, first: int, last: int, stride: int = 1) -> np.ndarray:
-        """Every so many steps of a series, or frames of a field, from `first` to `last`, both included."""
+        """Every `every`-th step of a series, or frame of a field, from `first` to `last`, both included."""
         return self._sound(name, self._dataset(name)[first : min(last + 1, self._rows(name)) : stride])
 
     @property
     def stations(self) -> np.ndarray:
-        """Places of the nodes along the undeformed chord, from the pivot, m."""
+        """Positions of the nodes along the undeformed chord, from the pivot, m."""
         return self.file["node"][...]
 
     @property
@@ -203,14 +205,14 @@ class Result:
 
     @property
     def has_sheets(self) -> bool:
-        """Whether the wake has two sheets, one from either edge."""
+        """Whether the wake has two sheets, one from each edge."""
         return f"wake/{WAKE_EDGE}" in self.file
 
     def wake(self, index: int) -> dict[str, np.ndarray]:
         """Wake vortices of one frame, oldest first.
 
         They are `y`, `z` (m), `circulation` (m2/s), `birth` (step) and `edge` (0: shed by the trailing edge, 1: by the
-        leading edge). A model without a wake has none: all arrays are empty.
+        leading edge). All arrays are empty for a model without a wake.
         """
         if not self.has_wake:
             return {name: np.empty(0) for name in WAKE_VARIABLES}
@@ -218,7 +220,7 @@ class Result:
         return {WAKE_EDGE: np.zeros(len(found["y"]), dtype=np.int32)} | found
 
     def ragged(self, group: str, names: Iterable[str], index: int) -> dict[str, np.ndarray]:
-        """One frame of some variables of a group whose frames differ in length."""
+        """One frame of some variables of a ragged group."""
         index = range(self.frames)[index]
         if group not in self._ends:
             self._ends[group] = np.cumsum(self.file[f"{group}/count"][: self.frames], dtype=np.int64)
@@ -227,30 +229,30 @@ class Result:
         return {name: self._sound(name, self._dataset(f"{group}/{name}")[first:last]) for name in names}
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
-        """Write the result to a file of its own, as `simulate(case, path)` would have.
+        """Write the result to a file, identical to that of `simulate(case, path)`.
 
         Args:
             overwrite: replace an existing file.
 
         Raises:
-            ResultError: when the file exists already, or cannot be written.
+            ResultError: if the file exists or cannot be written.
         """
         from .ownership import copy  # noqa: PLC0415 - it reads results itself
 
         if self.path is None or not self.path.exists():
-            raise ResultError(f"{path}: there is no file to copy")
+            raise ResultError(f"{path}: the file to copy does not exist")
         copy(self.path, Path(path), overwrite)
 
     def refresh(self) -> None:
-        """Look again at a file that is still being written, or that has got its final name since.
+        """Update a result whose file is still being written, or has been completed meanwhile.
 
         Raises:
-            ResultError: when it cannot be read just now, for instance in the middle of a write; the result is
-                closed until a later `refresh` succeeds.
+            ResultError: if it cannot be read at this moment, for instance during a write; the result stays closed until
+                a later `refresh` succeeds.
         """
         if self.path is None:
             return
-        # First: HDF5 would lend what it remembers of an open file to the next to open it.
+        # Close it first, since HDF5 would reuse cached data of the open file.
         self.file.close()
         path = self.path if self.path.exists() else self.path.with_name(self.path.name.removesuffix(PART))
         fresh = vars(open_result(path))
@@ -272,7 +274,7 @@ class Result:
         """The variables over time as an `xarray.Dataset` with coordinates, units and attributes.
 
         Raises:
-            ResultError: when xarray is not installed.
+            ResultError: if xarray is not installed.
         """
         xarray = extra("xarray", "xarray", "to_xarray needs xarray", ResultError)
         described = {name: self.describe(name) for name in self.variables if name not in ("time", FIELD_TIME)}
@@ -288,7 +290,7 @@ def open_result(path: str | Path) -> Result:
     """Open a result file, complete or still being written.
 
     Raises:
-        ResultError: when it is missing, damaged, of another kind, or of a newer version.
+        ResultError: if it is missing, damaged, not a result, or of a newer version.
     """
     path = Path(path)
     if not path.exists() and part(path).exists():
@@ -301,7 +303,7 @@ def open_result(path: str | Path) -> Result:
     except IsADirectoryError:
         raise ResultError(f"{path}: is a directory") from None
     except OSError as error:
-        case = "a case file, not a result; taichiflap simulate computes it"
+        case = "this is a case file, not a result; run it with taichiflap simulate"
         said = case if path.suffix == ".toml" else f"not a readable result file: {first_line(error)}"
         raise ResultError(f"{path}: {said}") from None
     except DAMAGE as error:
@@ -314,28 +316,28 @@ def open_result(path: str | Path) -> Result:
 
 
 def refuse_devices(path: Path, error: type[UserError]) -> None:
-    """Refuse a pipe, for which HDF5 would wait, and a device, which may never end.
+    """Raise an error for a pipe, which would block HDF5, and a device, which may never end.
 
     Raises:
-        UserError: an `error` when it is one.
+        UserError: an `error`, if it is one.
     """
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise error(f"{path}: not a regular file")
 
 
 def part(path: Path) -> Path:
-    """The name under which a file stands until it is complete."""
+    """Name of a file until it is complete."""
     return path.with_name(path.name + PART)
 
 
 def _whole_steps(file: Any) -> int:
-    """Steps that are stored: those to come have no time yet."""
+    """Number of stored steps; future steps have no time yet."""
     time = file["time"]
     return bisect.bisect_left(range(len(time)), True, key=lambda index: bool(np.isnan(time[index])))
 
 
 def _own_variables(file: Any) -> dict[str, Variable]:
-    """The variables over time that only the file's fluid model knows, by what the file says of them."""
+    """Variables over time of the file's fluid model, as described in the file."""
     found = {}
     for name in file:
         if name in VARIABLES or not isinstance(file.get(name, getlink=True), h5py.HardLink):
@@ -349,24 +351,24 @@ def _own_variables(file: Any) -> dict[str, Variable]:
 
 
 def _checked(file: Any, path: Path) -> Result:
-    """The result in a file that is one, and that no reader trips over."""
+    """The result in a file, after checks."""
     try:
         version = integrity.attributes(file, ("taichiflap_format",)).get("taichiflap_format")
         if version is None:
-            raise ResultError(f"{path}: an HDF5 file, but not a result of taichiflap")
+            raise ResultError(f"{path}: this HDF5 file is not a taichiflap result")
         if version > FORMAT:
             raise ResultError(f"{path}: written by a newer taichiflap (format {version}, this one reads {FORMAT})")
         case = held_case(integrity.attribute(file, "case"), str(path))
         if version < FORMAT and case.output.every > 1:
             raise ResultError(
-                f"{path}: written by an older taichiflap with output.every = {case.output.every}, which left out the "
-                "steps between; compute it again"
+                f"{path}: written by an older taichiflap with output.every = {case.output.every}, without the steps "
+                "in between; compute it again"
             )
         _check_contents(file, case)
     except ResultError:
         raise
     except CaseError as error:
-        raise ResultError(f"{path}: the case inside it is not valid: {error.problems[0]}") from None
+        raise ResultError(f"{path}: its case is invalid: {error.problems[0]}") from None
     except DamageError as error:
         raise ResultError(f"{path}: damaged: {error}") from None
     except DAMAGE as error:
@@ -375,11 +377,11 @@ def _checked(file: Any, path: Path) -> Result:
 
 
 def _check_contents(file: Any, case: Case) -> None:
-    """Everything that a reader may ask for is there, in the size that the case makes it."""
+    """Check that all arrays exist with the sizes that follow from the case."""
     said = integrity.attributes(file, ATTRIBUTES)
     numbers = all(isinstance(said.get(name, 0.0), float) for name in FIGURES)
     if not numbers or not isinstance(said.get("warnings", ""), str):
-        raise DamageError("a solve_time or warnings of another kind")
+        raise DamageError("solve_time or warnings have the wrong type")
     if integrity.attribute(file, "status") not in STATUSES:
         raise DamageError("no status")
     modes = case.wing.modes
@@ -401,7 +403,7 @@ def _check_contents(file: Any, case: Case) -> None:
             if axis not in sizes:
                 (sizes[axis],) = integrity.array(file, axis, (None,), "f")
         if variable.dimensions[:1] != (times[-1],) if variable.field else variable.dimensions != ("time",):
-            raise DamageError(f"{name} does not go over {times[-1]}")
+            raise DamageError(f"{name} does not depend on {times[-1]}")
         integrity.array(file, name, tuple(sizes[axis] for axis in variable.dimensions), "if")
     if modes:
         integrity.array(file, "mode", (modes,), "i")
@@ -425,17 +427,17 @@ def _ragged_groups(file: Any) -> list[str]:
 
 
 def _wake_names(group: Any) -> list[str]:
-    """The variables of a file's wake."""
+    """Variables of a file's wake."""
     return [name for name in WAKE_VARIABLES if name != WAKE_EDGE or name in group]
 
 
 def _check_ragged(group: Any, name: str, frames: int) -> None:
-    """The arrays of a ragged group have one length, and each frame's count."""
+    """Check that the arrays of a ragged group have one length that fits the counts of the frames."""
     integrity.array(group, "count", (frames,), "i")
     names = _wake_names(group) if name == "wake" else [one for one in group if one != "count"]
     lengths = {integrity.array(group, one, (None,), "if", whole=one in WAKE_VARIABLES) for one in names}
     if len(lengths) > 1:
-        raise DamageError(f"the {name} has arrays of several lengths")
+        raise DamageError(f"the arrays of {name} have different lengths")
 
 
 def _check_times(times: np.ndarray, steps: np.ndarray, case: Case, what: str) -> None:
@@ -445,5 +447,5 @@ def _check_times(times: np.ndarray, steps: np.ndarray, case: Case, what: str) ->
 
 
 def first_line(error: OSError) -> str:
-    """The cause in the words of the system, or of HDF5."""
+    """The cause as reported by the system or HDF5."""
     return error.strerror or (os.strerror(error.errno) if error.errno else str(error).splitlines()[0])

@@ -1,22 +1,22 @@
-"""The variables of a result: names, dimensions, units, signs and what they mean."""
+"""The variables of a result: names, dimensions, units, signs and descriptions."""
 
 from dataclasses import dataclass, replace
 
 NO_COORDINATE = "This is a netCDF dimension but not a netCDF variable."
-"""What netCDF-4 calls a dimension scale that holds no values."""
+"""NetCDF-4's name for a dimension without values."""
 FIELD_TIME = "field_time"
-"""Axis of the times at which fields are stored, where these are not all steps."""
+"""Axis of the times at which fields are stored, if these are not all steps."""
 
 
 AXES_OF = "axes"
-"""Attribute of a variable that only its fluid model knows: the names of its axes."""
+"""Attribute of a variable defined by the fluid model: the names of its axes."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One array of the file: dimensions, units and what it means.
+    """One array of the file: dimensions, units and description.
 
-    A field is stored every `output.every` steps and at the last one; all else that goes over time has every step.
+    A field is stored every `output.every` steps and at the last step; a series at every step.
     """
 
     dimensions: tuple[str, ...]
@@ -28,21 +28,21 @@ class Variable:
     field: bool = False
 
     def axes(self, every: int) -> tuple[str, ...]:
-        """The dimensions in a file that stores a field every so many steps: `field_time` instead of `time`, if any."""
+        """The dimensions in a file that does not store fields at every step: `field_time` instead of `time`."""
         if not self.field or every == 1:
             return self.dimensions
         return tuple(FIELD_TIME if name == "time" else name for name in self.dimensions)
 
     @property
     def attributes(self) -> dict[str, str]:
-        """What a file says about the array: `units`, `long_name`, `symbol` and `comment`, as far as it has them."""
+        """Attributes of the array in a file: `units`, `long_name`, `symbol` and `comment`, where defined."""
         words = {name: getattr(self, name) for name in ("units", "long_name", "symbol", "comment")}
         return {name: text for name, text in words.items() if text}
 
 
 _NORMAL = "positive along the wing's normal e_z = (-sin pitch, cos pitch) in (Y, Z)"
 _CHORD = "positive along the undeformed chord e_y = (cos pitch, sin pitch) in (Y, Z), leading to trailing edge"
-_INERTIAL = "inertial frame; vertical, which keeps the insect aloft, is -Y; the stroke runs along Z"
+_INERTIAL = "inertial frame; up is -Y; the stroke is along Z"
 _SPIN = "positive counter-clockwise in (Y, Z)"
 
 VARIABLES = {
@@ -57,29 +57,29 @@ VARIABLES = {
     "force_normal": Variable(("time",), "N", "fluid force along the wing's normal", "F_N", _NORMAL),
     "force_axial": Variable(("time",), "N", "fluid force along the chord", "F_A", _CHORD),
     "force_normal_unsteady": Variable(
-        ("time",), "N", "share of force_normal from acceleration", "F_N,AM",
+        ("time",), "N", "part of force_normal due to acceleration", "F_N,AM",
         f"DBET: added mass; UVLM: the d(Gamma)/dt term; {_NORMAL}",
     ),
     "force_y": Variable(("time",), "N", "fluid force along Y, full vector", "F_Y", _INERTIAL),
     "force_z": Variable(("time",), "N", "fluid force along Z, full vector", "F_Z", _INERTIAL),
     "force_vertical": Variable(("time",), "N", "vertical force, full vector", "-F_Y", _INERTIAL),
     "force_vertical_normal": Variable(
-        ("time",), "N", "vertical force of force_normal alone", "-F_N e_z . e_Y", _INERTIAL
+        ("time",), "N", "vertical component of force_normal", "-F_N e_z . e_Y", _INERTIAL
     ),
     "lift": Variable(
-        ("time",), "N", "force across the free stream", "L",
-        "a quarter turn counter-clockwise from the stream in (Y, Z); where there is a stream",
+        ("time",), "N", "force normal to the free stream", "L",
+        "90 degrees counter-clockwise from the stream in (Y, Z); only with a stream",
     ),
-    "thrust": Variable(("time",), "N", "force against the free stream", "T", "where there is a stream"),
+    "thrust": Variable(("time",), "N", "force against the free stream", "T", "only with a stream"),
     "moment": Variable(("time",), "N m", "fluid moment about the pivot", "M", _SPIN),
     "power": Variable(
-        ("time",), "W", "mechanical power that the actuator must give", "P", "power_aerodynamic + power_inertial"
+        ("time",), "W", "mechanical power of the actuator", "P", "power_aerodynamic + power_inertial"
     ),
-    "power_aerodynamic": Variable(("time",), "W", "actuator's power against the fluid", "P_a"),
-    "power_inertial": Variable(("time",), "W", "actuator's power for the wing's own mass", "P_i"),
+    "power_aerodynamic": Variable(("time",), "W", "actuator power against the fluid", "P_a"),
+    "power_inertial": Variable(("time",), "W", "actuator power for the wing's inertia", "P_i"),
     "power_net": Variable(
-        ("time",), "W", "power into the wing: of the actuator and of the fluid, less what its damping takes", "",
-        "the rate of energy, but for the error of the time step",
+        ("time",), "W", "net power into the wing: from the actuator and the fluid, minus structural damping", "",
+        "equals the rate of energy up to the time-stepping error",
     ),
     "energy": Variable(("time",), "J", "kinetic and elastic energy of the wing", "E"),
     "angle_of_attack": Variable(
@@ -96,26 +96,26 @@ VARIABLES = {
     "circulation": Variable(("time",), "m2 s-1", "total bound circulation", "Gamma", _SPIN),
     "suction_velocity": Variable(
         ("time",), "m s-1", "suction velocity at the leading edge", "A",
-        "U sin(alpha) on a steady flat plate; the suction is pi rho c A^2 a unit span; A > 0: from below to above",
+        "U sin(alpha) on a steady flat plate; the suction per unit span is pi rho c A^2; A > 0: from below to above",
     ),
     "leading_edge_circulation": Variable(
-        ("time",), "m2 s-1", "circulation shed by the leading edge so far", "Gamma_LE", _SPIN
+        ("time",), "m2 s-1", "total circulation shed by the leading edge", "Gamma_LE", _SPIN
     ),
     "trailing_edge_circulation": Variable(
-        ("time",), "m2 s-1", "circulation shed by the trailing edge so far", "Gamma_TE", _SPIN
+        ("time",), "m2 s-1", "total circulation shed by the trailing edge", "Gamma_TE", _SPIN
     ),
     "leading_edge_sheds": Variable(("time",), "1", "1 while the leading edge sheds, else 0"),
     "wake_crossings": Variable(
-        ("time",), "1", "times that a wake vortex came upon the wing, so far", "",
-        "kept on its side or not: uvlm.crossing",
+        ("time",), "1", "number of wake-wing crossings so far", "",
+        "counted whether reflected or not; see uvlm.crossing",
     ),
     "wake_lost": Variable(
-        ("time",), "m s-1", "velocity at the wing of the wake that was dropped or absorbed", "",
-        "an estimate: what each vortex would still induce at the wing's middle, fading over a beat",
+        ("time",), "m s-1", "velocity at the wing lost by dropping or absorbing wake vortices", "",
+        "an estimate: velocity that the lost vortices would induce at mid-chord, decaying over a beat",
     ),
     "wake_far_error": Variable(
-        ("time",), "m s-1", "largest error found in the velocity of a wake vortex by multipoles, so far", "",
-        "eight vortices a step, against the sum over all pairs; uvlm.far_error bounds it",
+        ("time",), "m s-1", "largest measured error of a wake vortex's velocity by multipoles", "",
+        "eight vortices per step compared with the direct sum; bounded by uvlm.far_error",
     ),
     "node_position": Variable(
         ("time", "node", "component"), "m", "position of the wing's nodes", "R", _INERTIAL, dtype="f4", field=True
@@ -137,13 +137,13 @@ WAKE_VARIABLES = {
     "edge": Variable(("vortex",), "1", "edge that shed the vortex", "", "0: trailing edge, 1: leading edge", "i4"),
 }
 WAKE_EDGE = "edge"
-"""The one of them that only a wake of two edges has."""
+"""The variable that exists only for a wake shed from two edges."""
 
 WAKE_COUNT = Variable(("time",), "1", "number of wake vortices in the frame", dtype="i4", field=True)
 
 
 def count_of(group: str) -> Variable:
-    """The variable that counts the entries of a ragged group in each frame."""
+    """The variable with the number of entries of a ragged group in each frame."""
     if group == "wake":
         return WAKE_COUNT
     return replace(WAKE_COUNT, long_name=f"number of entries of {group} in the frame")
@@ -154,10 +154,10 @@ COMPONENTS = ("Y", "Z")
 
 AXES = {
     "time": Variable((), "s", "time", "t"),
-    FIELD_TIME: Variable((), "s", "time at which fields are stored", "t", "there where output.every is not 1"),
+    FIELD_TIME: Variable((), "s", "time at which fields are stored", "t", "only if output.every is not 1"),
     "mode": Variable((), "1", "number of the elastic mode", "k"),
     "node": Variable((), "m", "chordwise position of the nodes, from the pivot", "y"),
-    "panel": Variable((), "m", "chordwise position of the middles of panels or elements, from the pivot", "y"),
+    "panel": Variable((), "m", "chordwise position of the midpoints of panels or elements, from the pivot", "y"),
     "component": Variable((), "", "axis of the inertial frame"),
 }
 

@@ -1,8 +1,8 @@
-"""The result file, written so that no crash can damage it.
+"""Crash-safe writing of the result file.
 
-Every array has its full length and its place from the start: a run only fills numbers in, and nothing by which HDF5
-finds its way changes until the end. What is not computed yet reads as NaN, `time` is filled last, so the frames
-that have a time are whole. The file stands as `NAME.part` until it is complete.
+Every array has its full length and position from the start. A run only fills in numbers, and the structure of the HDF5
+file does not change until the end. Values not computed yet are NaN, and `time` is filled last, so that frames with a
+time are complete. The file is named `NAME.part` until it is complete.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ from .recorder import Recorder
 
 
 class WriteError(ResultError):
-    """A run that cannot go on because its file cannot be written; what was written before is safe."""
+    """Raised if a run cannot continue because its file cannot be written; earlier data are safe."""
 
     exit_code = 1
 
@@ -35,15 +35,14 @@ class Writer(Recorder):
     """Writes one result to a file.
 
     Args:
-        case: what is being computed.
+        case: the case being computed.
         path: the file to write.
-        warnings: what makes the case implausible.
-        overwrite: replace an existing file, and what an interrupted run has left.
-        resume: go on with the file that an interrupted run has left, if there is one.
+        warnings: warnings about the case.
+        overwrite: replace an existing file, and the file of an interrupted run.
+        resume: continue the file of an interrupted run, if it exists.
 
     Raises:
-        ResultError: when the file exists already, is being written by another run, is of another case, or cannot be
-            created.
+        ResultError: if the file exists, is being written by another run, holds another case, or cannot be created.
     """
 
     def __init__(
@@ -69,10 +68,10 @@ class Writer(Recorder):
             raise
 
     def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
-        """Give everything its place; a file that is resumed has it already. Arguments as of `Recorder.lay_out`.
+        """Allocate all arrays, unless the file is resumed. Same arguments as `Recorder.lay_out`.
 
         Raises:
-            ResultError: when there is no room, or another run has begun the same file.
+            ResultError: if there is not enough space, or another run has created the same file.
         """
         contents = contents or Contents()
         self._plan = layout.plan(sample, contents)
@@ -90,24 +89,24 @@ class Writer(Recorder):
         except ResultError:
             raise
         except (OSError, ValueError, RuntimeError) as error:
-            # HDF5 reports a full disk as any of them, with the system's words inside.
+            # HDF5 reports a full disk as any of these exceptions, including the system's message.
             inside = str(error).partition("error message = '")[2].partition("'")[0]
             said = inside or (first_line(error) if isinstance(error, OSError) else str(error).splitlines()[0])
             raise ResultError(f"{self.path}: cannot be created: {said}") from None
 
     @property
     def stored(self) -> int:
-        """Steps that the file holds."""
+        """Number of steps in the file."""
         return Result(self._file).steps
 
     def written(self, name: str) -> np.ndarray:
-        """What was appended of a variable of one value a step; past HDF5, which need not know of it yet."""
+        """Appended values of a variable with one value per step, read without HDF5."""
         offset, kind = self._places[name]
         self._raw.seek(offset)
         return np.frombuffer(self._raw.read(self.steps * kind.itemsize), kind)
 
     def rewind(self, steps: int) -> None:
-        """Go on after so many steps; what is behind them is written anew."""
+        """Continue after a number of steps; later steps are overwritten."""
         self.steps = steps
         frames = self.case.frames(steps)
         self._entries = {
@@ -116,10 +115,10 @@ class Writer(Recorder):
         }
 
     def append(self, variables: Mapping[str, np.ndarray]) -> None:
-        """Add a block of steps, and of the frames among them, and hand it to the system.
+        """Append a block of steps with its frames, and pass it to the system.
 
         Raises:
-            WriteError: when the disk refuses; the steps before are safe.
+            WriteError: if it cannot be written; earlier steps are safe.
         """
         try:
             super().append(variables)
@@ -127,7 +126,7 @@ class Writer(Recorder):
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
 
     def _put(self, name: str, first: int, values: np.ndarray) -> None:
-        """Write rows straight to their place in the file: HDF5 takes ten times as long to find it."""
+        """Write rows directly to their position in the file, ten times as fast as through HDF5."""
         offset, kind = self._places[name]
         row = np.ascontiguousarray(values, dtype=kind)
         self._raw.seek(offset + first * (row.nbytes // max(1, len(row))))
@@ -137,14 +136,14 @@ class Writer(Recorder):
 
     @property
     def due(self) -> bool:
-        """Whether the last state was kept some time ago."""
+        """Whether a new checkpoint is due."""
         return time.monotonic() - self._kept >= checkpoint.SECONDS
 
     def keep(self, state: Checkpoint) -> None:
-        """Store what a resumed run needs to go on from here.
+        """Write a checkpoint.
 
         Raises:
-            WriteError: when the disk refuses.
+            WriteError: if it cannot be written.
         """
         try:
             checkpoint.save(self.path, self.case, state)
@@ -159,10 +158,10 @@ class Writer(Recorder):
         reason: str = "",
         warnings: Sequence[str] = (),
     ) -> Result:
-        """Close the file under its final name and open it for reading. Arguments as of `Recorder.finish`.
+        """Close the file under its final name and open it for reading. Same arguments as `Recorder.finish`.
 
         Raises:
-            WriteError: when the file cannot get its name; it stays under its `.part` name.
+            WriteError: if the file cannot be renamed; it keeps its `.part` name.
         """
         try:
             warned = "\n".join([*self._warnings, *warnings])
@@ -183,9 +182,9 @@ class Writer(Recorder):
         return open_result(self.path)
 
     def abandon(self) -> None:
-        """Close the file where it stands, under its `.part` name if it has one."""
+        """Close the file under its current name."""
         if self._guard is not None:
-            # What HDF5 may still have in mind stays there: what was complete is on the disk.
+            # Discard HDF5's pending writes: all complete data are on the disk.
             self._guard.stop()
         with contextlib.suppress(OSError, RuntimeError):
             for one in (self._file, self._guard, self._raw):
@@ -195,11 +194,12 @@ class Writer(Recorder):
         self._lock.release()
 
     def _reserve(self, size: int) -> Path:
-        """A draft with room for everything. HDF5 does not survive a file that it cannot close, so what does not fit is
-        refused before HDF5 has begun it."""
+        """A draft with space for all data. HDF5 does not survive a file that it cannot close, so the free space is
+        checked first.
+        """
         free = shutil.disk_usage(self.path.parent).free
         if size > free:
-            room = f"needs {_size(size)}, the disk has {_size(free)} free; a larger output.every makes it smaller"
+            room = f"needs {_size(size)} but the disk has {_size(free)} free; increase output.every to make it smaller"
             raise ResultError(f"{self.path}: {room}")
         self._draft = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
         with open(self._draft, "wb") as file:
@@ -207,21 +207,21 @@ class Writer(Recorder):
         return self._draft
 
     def _find_places(self) -> None:
-        """Where in the file the variables over time begin."""
+        """Offsets of the variables over time in the file."""
         self._raw = open(part(self.path), "r+b", buffering=0)  # noqa: SIM115 - closed by `finish` or `abandon`
         for name in self.names:
             dataset = h5py.h5d.open(self._file.id, name.encode())
             self._places[name] = (dataset.get_offset(), dataset.dtype)
 
     def _publish(self) -> None:
-        """The laid out file becomes `NAME.part`, once it is good to read at any moment."""
+        """Rename the laid-out file to `NAME.part`, once it is readable at any moment."""
         if self._draft is None:
             return
         checkpoint.discard(self.path)
         try:
             ownership.move(self._draft, part(self.path), self._overwrite)
         except FileExistsError:
-            raise ResultError(f"{self.path}: another run has begun this file") from None
+            raise ResultError(f"{self.path}: another run has created this file") from None
         self._draft = None
 
     def _discard_draft(self) -> None:

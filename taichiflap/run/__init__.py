@@ -1,4 +1,4 @@
-"""One run: cases marched in blocks and written, with warnings before and after."""
+"""One run: cases are marched in blocks and written, with warnings before and after."""
 
 from ..doors import lazy
 

@@ -1,4 +1,4 @@
-"""Run cases: march them in blocks, derive what users ask for, write it, report progress."""
+"""Run cases: march them in blocks, derive the stored series, write results, report progress."""
 
 import functools
 import time
@@ -28,15 +28,15 @@ from . import warnings
 from .retry import finer_helps
 
 Progress = Callable[[int, int], None]
-"""Called with the steps done and all steps, after every block."""
+"""Callback of (steps done, total steps), called after every block."""
 
 BLOCK_SECONDS = 0.1
-"""Time between two writes, about: for a lively progress bar, and to stop at a word."""
+"""Approximate time between two writes, s; keeps progress and interrupts responsive."""
 BLOCK_STEPS = 4096
 BLOCK_BYTES = 2**26
-"""A block is never of more steps, or of more bytes of what it stores."""
+"""Maximum number of steps, and of stored bytes, per block."""
 FIRST_WORK = 2e7
-"""Pair interactions of the first block; those of the others follow from the time that it took."""
+"""Pair interactions of the first block; later blocks are sized by measured time."""
 
 
 @overload
@@ -75,33 +75,34 @@ def simulate(
     """Compute one case, or a batch of cases side by side on all threads.
 
     Args:
-        case: a case, or several that share their solver. A case gives the same bits in any batch.
+        case: a case, or several with the same solver. A case gives bit-identical results in any batch.
         output: the result file to write, or one for each case; in memory if None.
-        threads: how many threads to use; all of them if None. It does not change any result.
-        progress: called with the steps done and all steps.
-        overwrite: replace existing files, and what interrupted runs have left.
-        resume: go on where an interrupted run of the same case stopped, with the same bits; a file that is complete is
-            opened as it is, one that was never begun is computed from the start.
+        threads: number of threads; None for all. It does not affect results.
+        progress: callback of (steps done, total steps).
+        overwrite: replace existing files, and files of interrupted runs.
+        resume: continue an interrupted run of the same case, with bit-identical results. A complete file is opened, and
+            a missing one is computed from the start.
 
     Returns:
         The result, or one for each case, open for reading.
 
     Raises:
-        ResultError: when a file exists already, is of another case, or cannot be written.
-        ProgramError: for a number of threads that is none; when other code in this process has Taichi otherwise.
-        ValueError: when the cases of a batch do not share their solver.
+        ResultError: if a file exists, holds another case, or cannot be written.
+        ProgramError: for an invalid number of threads, or if other code in this process has started Taichi with other
+            settings.
+        ValueError: if the cases of a batch have different solvers.
     """
     check_threads(threads)
     single = isinstance(case, Case)
     cases = [one.resolved() for one in ([case] if isinstance(case, Case) else case)]
     paths: list[Any] = [output] if single else list(output or [None] * len(cases))
     if len({one.solver for one in cases}) != 1 or len(paths) != len(cases):
-        raise ValueError("give at least one case, all of one solver, and as many outputs as cases")
+        raise ValueError("give at least one case, all with one solver, and one output per case")
     places = [None if path is None else Path(path) for path in paths]
     named = [path for path in places if path is not None]
     for path in named:
         if named.count(path) > 1:
-            raise ResultError(f"{path}: is to hold two results; name a file for each")
+            raise ResultError(f"{path}: is named for two results; give each its own file")
     run = _resume if resume else _run
     results = run(cases, places, threads, progress, overwrite)
     return results[0] if single else results
@@ -110,7 +111,7 @@ def simulate(
 def _resume(
     cases: list[Case], paths: list[Path | None], threads: int | None, progress: Progress | None, overwrite: bool
 ) -> list[Result]:
-    """Open what is complete; march the others on, those together that stopped at the same step."""
+    """Open complete results and continue the others; runs that stopped at the same step continue as one batch."""
     results: dict[int, Result] = {}
     stopped: dict[int, list[int]] = {}
     states: dict[int, Checkpoint | None] = {}
@@ -202,15 +203,15 @@ def _summary(recorder: Recorder) -> Summary | None:
 
 
 def _take_up(march: March, recorders: list[Recorder], resumed: Sequence[Checkpoint | None] | None) -> float:
-    """Put a march where interrupted runs stopped; the seconds that they had taken."""
+    """Restore a march from interrupted runs; returns the time (s) they had taken."""
     kept = [one for one in resumed or () if one]
     writers = [one for one in recorders if isinstance(one, Writer)]
-    # What a checkpoint counts on must be there: the file may have been moved away, or begun anew.
+    # The file must hold the checkpoint's steps; it may have been moved or restarted.
     if not kept or len(kept) < len(recorders):
         return 0.0
     if behind := [writer for writer in writers if writer.stored < _reached(writer, kept[0])]:
         for writer in behind:
-            checkpoint.tell(writer.path, "the file beside it holds fewer steps")
+            checkpoint.tell(writer.path, "the file next to it holds fewer steps")
         return 0.0
     try:
         march.restore([one.state for one in kept], kept[0].next_step)
@@ -236,14 +237,14 @@ def _contents(fluid: Model, case: Case) -> Contents:
 
 
 def _block(cases: Sequence[Case], fluid: Model, first: int, most: float) -> tuple[int, float]:
-    """Steps to march from `first` on before the next write, and their work, within `most` if that can be.
+    """Number of steps from `first` to the next write, and their work, within `most` if possible.
 
-    Halved until they fit, so that frames of few sizes need room.
+    The number is halved until it fits, so that arrays of only a few sizes are allocated.
     """
     size = sum(fluid.frame_bytes(case) / case.output.every + 8.0 * (4 + 4 * case.wing.modes) for case in cases)
     steps = BLOCK_STEPS
     while True:
-        # A wake grows: its last step is the most work.
+        # The wake grows, so the last step has the most work.
         work = steps * sum(fluid.work(case, first + steps) for case in cases)
         if steps == 1 or (work <= most and steps * size <= BLOCK_BYTES):
             return steps, work

@@ -1,4 +1,4 @@
-"""Cases of a map that the models are not good for, by what came of them."""
+"""Cases of a map in which the models are invalid, judged by their results."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,28 +7,28 @@ from ..maps.file import Map
 from .warnings import BENT, BROKEN, FORCE, UNACCOUNTED
 
 TIP, COEFFICIENT, RESIDUAL = "tip_peak_mean", "force_coefficient_peak", "energy_residual"
-"""Metrics that tell of it."""
+"""Metrics used for this."""
 
 Mask = NDArray[np.bool_]
 
 
 def bend(sheet: Map) -> NDArray[np.float64]:
-    """Peak tip deflection of every case in chords, flat; not-a-number where the map does not hold it."""
+    """Peak tip deflection of every case in chords, flat; NaN if the map lacks it."""
     return _values(sheet, TIP) / _chords(sheet)
 
 
 def bent(sheet: Map) -> Mask:
-    """Cases that bend further than a linear beam is good for, flat."""
+    """Cases that bend beyond the validity of a linear beam, flat."""
     return _above(bend(sheet), BENT)
 
 
 def broken(sheet: Map) -> Mask:
-    """Cases for which the model does not hold: bent further than the chord is long, or with forces of no flow; flat."""
+    """Cases in which the model is invalid: tip deflection above a chord, or unphysical forces; flat."""
     return _above(bend(sheet), BROKEN) | _above(_values(sheet, COEFFICIENT), FORCE)
 
 
 def unbalanced(sheet: Map) -> Mask:
-    """Cases that leave work unaccounted for, flat."""
+    """Cases with unaccounted work, flat."""
     return _above(_values(sheet, RESIDUAL), UNACCOUNTED)
 
 

@@ -1,4 +1,4 @@
-"""A case that diverged, tried again at twice the steps: whether a finer step is the cure."""
+"""Trial of a diverged case with half the time step, to see whether a finer step helps."""
 
 import numpy as np
 
@@ -8,21 +8,21 @@ from ..march.march import March
 from ..march.state import AMPLITUDE
 
 WORK = 1e10
-"""Pair interactions that a trial may take: some ten seconds."""
+"""Maximum pair interactions of a trial, about ten seconds."""
 BEYOND = 1.25
-"""A trial goes at least so many times as far as the run that failed."""
+"""A trial runs to at least this multiple of the time of failure."""
 PIECES = 20
-"""Launches of a trial, between which it can be interrupted."""
+"""Number of launches of a trial, between which it can be interrupted."""
 
 
 def finer_helps(case: Case, failed: int, threads: int | None = None) -> bool | None:
-    """Whether twice the steps pass the place where a case diverged, with a tip that stays within a chord.
+    """Whether a case with twice the steps passes the time of divergence with a tip deflection below a chord.
 
     Args:
-        failed: the step at which the case diverged.
+        failed: step at which the case diverged.
 
     Returns:
-        None where the trial would take too long.
+        None if the trial would take too long.
     """
     finer = _finer(case)
     if finer is None:
@@ -52,7 +52,7 @@ def _finer(case: Case) -> Case | None:
 
 
 def _affordable(case: Case, place: int) -> int | None:
-    """The last step that a trial goes to; None if it cannot go far enough."""
+    """Last step of a trial; None if it cannot run far enough."""
     model = fluids.load(case.solver)
     least = min(case.steps, int(BEYOND * place) + 10)
     for steps in (case.steps, 2 * place, least):

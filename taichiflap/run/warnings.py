@@ -1,4 +1,4 @@
-"""Warnings about cases, and what came of them, that are legal but that the models are not good for."""
+"""Warnings about valid cases, and their results, that are outside the models' range of validity."""
 
 import math
 from collections.abc import Iterator
@@ -16,32 +16,32 @@ from ..structure.chordwise import Profile
 from . import tables
 
 LARGE = 50e9
-"""Bytes of a result file that are worth a warning."""
+"""Size of a result file, in bytes, that gives a warning."""
 GAS = 20.0
-"""A fluid of less than this density, kg/m3, is taken for air, a denser one for water."""
+"""Density, kg/m3, that separates air from water."""
 VISCOSITY = {"air": 1.5e-5, "water": 1.0e-6}
-"""Kinematic, m2/s."""
+"""Kinematic viscosities, m2/s."""
 REYNOLDS = 30.0, 1e7
-"""Between the smallest insects and the largest swimmers; below, viscosity makes most of the force."""
+"""Range from the smallest insects to the largest swimmers; below it, viscosity dominates the force."""
 FASTEST = {"air": (100.0, "is compressed"), "water": (30.0, "boils at the edges")}
-"""Speed, m/s, and what the fluid does beyond."""
+"""Speed limit, m/s, and what happens to the fluid beyond it."""
 MASS_RATIO = 0.005, 1000.0
-"""A wing's mass over that of the fluid that moves with it: of a foil in water, and of a plate in air."""
+"""Range of the ratio of wing mass to added mass: from a foil in water to a plate in air."""
 BENT = 0.3
-"""Tip deflection, in chords, at which a load on the tip of a real beam bends it a tenth less than a linear one."""
+"""Tip deflection, in chords, at which a real beam with a tip load bends 10 % less than a linear one."""
 BROKEN = 1.0
-"""Tip deflection, in chords, that no wing can have: its chord is no longer."""
+"""Maximum possible tip deflection, in chords."""
 FORCE = 40.0
-"""Normal force but for added mass, in `rho V^2 S / 2` (`Summary.force_coefficient_peak`), of which flows give some."""
+"""Limit of the normal force without added mass, in `rho V^2 S / 2` (`Summary.force_coefficient_peak`)."""
 UNACCOUNTED = 0.03
-"""Share of the work that a run may leave unaccounted for, without a word."""
+"""Share of unaccounted work that gives a warning."""
 BACKWARDS = -0.1
-"""Mean speed from the leading to the trailing edge, over the root mean square speed, of a flow from behind."""
+"""Mean speed from trailing to leading edge, relative to the root-mean-square speed, that counts as flow from behind."""
 TIMES = 2048
 
 
 def warnings(case: Case) -> list[str]:
-    """What is implausible about a case, one sentence each; an empty list when nothing is."""
+    """Warnings about a case, one sentence each."""
     found = [*_of_mass(case), *_of_speed(case), *tables.warnings(case), *_of_numbers(case), *_of_stream(case)]
     with fluids.blamed(case.solver):
         found += fluids.load(case.solver).warnings(case)
@@ -50,20 +50,22 @@ def warnings(case: Case) -> list[str]:
     flapping = case.motion.frequency
     if first.size and flapping and first[0] < flapping:
         found.append(
-            f"the first natural frequency, {first[0]:.4g} Hz, is below the flapping frequency, "
-            f"{flapping:g} Hz: check the wing's stiffness and mass"
+            f"the first natural frequency, {first[0]:.4g} Hz, is below the flapping frequency, {flapping:g} Hz; check "
+            "the wing's stiffness and mass"
         )
     if case.wing.thickness is not None:
         most = Profile.of(case.wing.thickness).values.max()
         if most > 0.2 * case.wing.chord:
-            found.append(f"wing.thickness = {most:g} m is over a fifth of the chord: no thin plate bends so")
+            found.append(
+                f"wing.thickness = {most:g} m exceeds a fifth of the chord, the limit of thin-plate bending; check it"
+            )
     if size > LARGE:
-        found.append(f"the result file will take {size / 1e9:.3g} GB; a larger output.every makes it smaller")
+        found.append(f"the result file will take {size / 1e9:.3g} GB; increase output.every to make it smaller")
     return found
 
 
 def outcome(case: Case, tip_deflection: NDArray[np.float64], summary: Summary | None = None) -> list[str]:
-    """What is implausible about what came of a case, one sentence each; an empty list when nothing is."""
+    """Warnings about the results of a case, one sentence each."""
     found = list(too_bent(float(np.abs(tip_deflection).max(initial=0.0)), case.wing.chord))
     if summary:
         found += [*too_strong(summary.force_coefficient_peak), *unbalanced(summary.energy_residual, case)]
@@ -73,56 +75,52 @@ def outcome(case: Case, tip_deflection: NDArray[np.float64], summary: Summary | 
         angle = sampling.typical_angle(case.motion, _middle(case), case.fluid.velocity, _last_beat(case))
         if angle > attached:
             found.append(
-                f"the flow meets the chord at {angle:.0f} deg where it is fast: beyond some {attached:g} deg "
-                f"it separates at the leading edge, of which {model.name} knows nothing"
+                f"angle of attack reaches {angle:.0f} deg at high speed; above about {attached:g} deg the flow "
+                f"separates at the leading edge, which {model.name} does not capture"
             )
     return found
 
 
 def too_bent(tip_peak: float, chord: float) -> Iterator[str]:
-    """A sentence on a largest tip deflection (m) that a linear beam is not good for."""
+    """Warning about a peak tip deflection (m) beyond the validity of a linear beam."""
     bent = tip_peak / chord
     if bent > BROKEN:
         yield (
-            f"the model does not hold: the trailing edge bends by up to {bent:.2g} chords, further than the chord is "
-            "long; no number of this run means anything; give a stiffer wing"
+            f"the model is invalid: peak tip deflection is {bent:.2g} chords, more than the chord itself; discard "
+            "this run and use a stiffer wing"
         )
     elif bent > BENT:
-        yield (
-            f"the trailing edge bends by up to {bent:.2g} chords: "
-            f"beyond {BENT:g} the linear beam errs by more than a tenth"
-        )
+        yield f"peak tip deflection is {bent:.2g} chords; above {BENT:g} the error of the linear beam exceeds 10 %"
 
 
 def too_strong(coefficient: float | None) -> Iterator[str]:
-    """A sentence on a largest force coefficient that no flow gives."""
+    """Warning about an unphysical peak force coefficient."""
     if coefficient is not None and coefficient > FORCE:
         yield (
-            f"the model does not hold: the normal force but for added mass reaches {coefficient:.2g} times "
-            f"rho V^2 S / 2, of which flows give some units and this warning allows {FORCE:g}; "
-            "give more panels and steps, or a larger uvlm.core"
+            f"the model is invalid: the normal force without added mass reaches {coefficient:.2g} times rho V^2 S / "
+            f"2, above the limit of {FORCE:g}; use more panels and steps, or a larger uvlm.core"
         )
 
 
 def unbalanced(residual: float | None, case: Case) -> Iterator[str]:
-    """A sentence on energy that a run leaves unaccounted for."""
+    """Warning about energy that a run leaves unaccounted for."""
     if residual is None or residual <= UNACCOUNTED:
         return
     if case.time.periods is None:
-        cure = f"give a smaller time.step, such as {0.5 * case.step:.3g}"
+        cure = f"use a smaller time.step, such as {0.5 * case.step:.3g}"
     else:
-        cure = f"give more time.steps_per_period, such as {2.0 * case.steps_per_beat:g}"
-    yield f"{100.0 * residual:.2g} % of the work is unaccounted for: the step is too long; {cure}"
+        cure = f"increase time.steps_per_period, for example to {2.0 * case.steps_per_beat:g}"
+    yield f"{100.0 * residual:.2g} % of the work is unaccounted for because the time step is too long; {cure}"
 
 
 def _of_numbers(case: Case) -> Iterator[str]:
     if case.numbers and not case.solver.startswith(ELSEWHERE):
         names = ", ".join(case.numbers)
-        yield f'numbers are for a fluid model of your own: solver = "{case.solver}" reads none of {names}'
+        yield f'solver = "{case.solver}" uses none of the numbers {names}; they apply only to your own fluid model'
 
 
 def _of_stream(case: Case) -> Iterator[str]:
-    """A model that sheds its wake from the trailing edge does so whichever edge the flow comes to first."""
+    """Warning that the flow reaches the trailing edge first, where the model sheds its wake."""
     model = fluids.load(case.solver)
     if not model.sheds_behind or not case.fluid.streams:
         return
@@ -130,8 +128,8 @@ def _of_stream(case: Case) -> Iterator[str]:
     speed = math.sqrt(float(np.mean(along**2 + across**2)))
     if speed and np.mean(along) < BACKWARDS * speed:
         yield (
-            f"the stream, fluid.velocity = [{case.fluid.velocity[0]:g}, {case.fluid.velocity[1]:g}] m/s, meets the "
-            f"trailing edge first, but {model.name} sheds the wake there: turn the stream, or the wing by "
+            f"the stream, fluid.velocity = [{case.fluid.velocity[0]:g}, {case.fluid.velocity[1]:g}] m/s, reaches the "
+            f"trailing edge first, where {model.name} sheds the wake; turn the stream, or the wing by "
             "motion.pitch.mean_deg"
         )
 
@@ -141,15 +139,15 @@ def _of_mass(case: Case) -> Iterator[str]:
         least = Profile.of(case.wing.density).values.min()
         if least <= case.fluid.density:
             yield (
-                f"the wing (wing.density = {least:g} kg/m3) is not denser than the fluid "
+                f"the wing (wing.density = {least:g} kg/m3) is less dense than the fluid "
                 f"(fluid.density = {case.fluid.density:g} kg/m3)"
             )
     mass = beam.modes(case.wing).mass
     moved = 0.25 * math.pi * case.fluid.density * case.wing.chord**2 * Profile.of(case.wing.span).mean
     if moved and not MASS_RATIO[0] < mass / moved < MASS_RATIO[1]:
         yield (
-            f"the wing weighs {mass:.3g} kg, {mass / moved:.2g} times the fluid that moves with it: "
-            "check the units of its mass, its size and fluid.density"
+            f"the wing's mass is {mass:.3g} kg, {mass / moved:.2g} times its added mass; check the units of its mass, "
+            "its size and fluid.density"
         )
 
 
@@ -164,8 +162,8 @@ def _of_speed(case: Case) -> Iterator[str]:
     guess = "" if case.fluid.viscosity else f" if the fluid is {fluid}"
     if case.fluid.density and speed and not REYNOLDS[0] < reynolds < REYNOLDS[1]:
         yield (
-            f"the Reynolds number is about {reynolds:.2g}{guess}; wings and fins have "
-            f"{REYNOLDS[0]:g} to {REYNOLDS[1]:g}: check wing.chord, motion.frequency and the amplitudes"
+            f"the Reynolds number is about {reynolds:.2g}{guess}; wings and fins have {REYNOLDS[0]:g} to "
+            f"{REYNOLDS[1]:g}; check wing.chord, motion.frequency and the amplitudes"
         )
 
 
@@ -179,7 +177,7 @@ def _middle(case: Case) -> float:
 
 
 def file_size(case: Case) -> float:
-    """Size of a case's result file, bytes, but for a few percent."""
+    """Approximate size of a case's result file, bytes."""
     model = fluids.load(case.solver)
     step = 8.0 * (21 + 2 * case.fluid.streams + 4 * case.wing.modes)
     shape = 4.0 * 2 * len(model.nodes(case))

@@ -1,8 +1,8 @@
 """Elastic modes of the wing section: frequencies, mass-normalised shapes, and the constants lambda and psi.
 
-Reade & Jankauski (2020), Eqs 8 and 11-13, for an Euler-Bernoulli section clamped at its leading edge. A uniform one
-has the textbook's closed forms (Blevins, Formulas for Natural Frequency and Mode Shape); any other is the eigenproblem
-that `taichiflap.structure.ritz` solves.
+Reade & Jankauski (2020), Eqs 8 and 11-13, for an Euler-Bernoulli section clamped at its leading edge. Uniform sections
+have closed forms (Blevins, Formulas for Natural Frequency and Mode Shape); for others `taichiflap.structure.ritz`
+solves the eigenproblem.
 """
 
 import functools
@@ -25,13 +25,13 @@ Array = NDArray[np.float64]
 class Modes:
     """Modes of a section, k = 0 .. count-1, and the rigid-body constants of its mass.
 
-    y is the distance from the pivot, which is the leading edge wherever the wing bends.
+    y is the distance from the pivot, which is at the leading edge for a flexible wing.
 
     Attributes:
         omega: natural angular frequencies, rad/s.
         damping_ratio: damping ratio of each mode.
         lam: `int phi_k dm` (Eq. 12), sqrt(kg).
-        psi: `int y phi_k dm` (Eq. 13), m sqrt(kg); positive, which settles the sign of the shapes.
+        psi: `int y phi_k dm` (Eq. 13), m sqrt(kg); positive, which defines the sign of the shapes.
         mass: `int dm`, kg.
         first_moment: `int y dm`, kg m.
         second_moment: `int y^2 dm`, kg m^2.
@@ -93,7 +93,7 @@ def _is_uniform(wing: Wing) -> bool:
 
 
 def _uniform(wing: Wing, damping: Array, offset: float) -> Modes:
-    """Closed forms. The bending stiffness is that of the whole span: `E h t^3 / 12` over `rho h t` a metre of chord."""
+    """Closed forms for a uniform wing: stiffness `E h t^3 / 12` and mass per length `rho h t` of the whole span."""
     beta = np.array([cantilever_root(k) for k in range(1, wing.modes + 1)])
     mass, speed = _mass_and_speed(wing)
     centre = wing.chord / 2.0
@@ -111,7 +111,7 @@ def _uniform(wing: Wing, damping: Array, offset: float) -> Modes:
 
 
 def _mass_and_speed(wing: Wing) -> tuple[float, float]:
-    """Mass (kg) of a uniform wing, and the root of its stiffness over its mass a metre (m^2/s; 0 for a rigid one)."""
+    """Mass (kg) of a uniform wing, and the square root of stiffness over mass per length (m^2/s; 0 if rigid)."""
     if wing.mass_per_length is not None:
         per_length, rigidity = float(wing.mass_per_length), float(wing.flexural_rigidity or 0.0)  # type: ignore[arg-type]
         return per_length * wing.chord, math.sqrt(rigidity / per_length)
@@ -148,7 +148,7 @@ def _cantilevers(beta: Array, mass: float, s: Array) -> tuple[Array, Array]:
 def _cantilever(beta: float, s: Array) -> tuple[Array, Array]:
     """Clamped-free shape of unit mean square at s = y/chord, and its slope.
 
-    `cosh(beta s) - sigma sinh(beta s)` is written in decaying exponentials: as it stands it loses all digits
+    `cosh(beta s) - sigma sinh(beta s)` is written with decaying exponentials; evaluated directly it loses all digits
     from about the tenth mode on.
     """
     decay = math.exp(-beta)

@@ -1,4 +1,4 @@
-"""A property along the chord: one number, or a table over s = y/chord that is linear between its entries."""
+"""A property along the chord: a constant, or a piecewise linear table over s = y/chord."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ class Profile:
     """A continuous, piecewise linear function of s from 0, the leading edge, to 1.
 
     Attributes:
-        s: where its slope may change, increasing from 0 to 1.
-        values: its values there.
+        s: breakpoints, increasing from 0 to 1.
+        values: values at the breakpoints.
     """
 
     s: Array
@@ -23,7 +23,7 @@ class Profile:
 
     @classmethod
     def of(cls, given: float | Sequence[Sequence[float]]) -> "Profile":
-        """From what a case file gives: a number, or a table [[s, value], ...]."""
+        """Make it from a number or a table [[s, value], ...], as in a case file."""
         table = [(0.0, given), (1.0, given)] if isinstance(given, int | float) else given
         s, values = np.array(table, dtype=np.float64).T
         return cls(s, values)

@@ -1,4 +1,4 @@
-"""How a wing's mass and bending stiffness are spread along its chord."""
+"""Distribution of a wing's mass and bending stiffness along the chord."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from ..case.wing import Wing
 from .chordwise import Profile
 
 GAUSS_POINTS = 6
-"""Points a piece in integrals of mass over the chord: more than exact for the powers that tables multiply up to."""
+"""Gauss points per piece for integrals of mass; exact for products of all tables."""
 
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
@@ -22,9 +22,9 @@ class Section:
 
     Attributes:
         chord: m.
-        breaks: where the distributions may have corners, from 0 to 1; the places of the point masses are among them.
-        mass_per_length: mass of the whole span a metre of chord, kg/m.
-        flexural_rigidity: bending stiffness `E h t^3 / 12` of the whole span, N m^2; None where only the mass is given.
+        breaks: breakpoints of the distributions, from 0 to 1, including the positions of point masses.
+        mass_per_length: mass of the whole span per length of chord, kg/m.
+        flexural_rigidity: bending stiffness `E h t^3 / 12` of the whole span, N m^2; None if only the mass is given.
         point_masses: s and mass (kg) of each, shape (masses, 2).
     """
 
@@ -36,7 +36,7 @@ class Section:
 
     @classmethod
     def of(cls, wing: Wing) -> "Section":
-        """The section of a wing, from its span and material or as measured."""
+        """Section of a wing, from its material or from measured distributions."""
         given = {
             name: Profile.of(value)
             for name in ("span", "thickness", "density", "youngs_modulus", "mass_per_length", "flexural_rigidity")
@@ -55,13 +55,13 @@ class Section:
         return cls(wing.chord, np.unique(np.concatenate([*corners, points[:, 0]])), mass, rigidity, points)
 
     def masses(self, s: Array, weights: Array) -> tuple[Array, Array]:
-        """Places (s) and masses (kg) that stand for the section's, by a rule `s`, `weights` on [0, 1]."""
+        """Equivalent point masses: positions (s) and masses (kg) for a quadrature rule `s`, `weights` on [0, 1]."""
         spread = self.chord * weights * self.mass_per_length(s)
         return np.concatenate((s, self.point_masses[:, 0])), np.concatenate((spread, self.point_masses[:, 1]))
 
 
 def gauss(breaks: Array, points: Sequence[int]) -> tuple[Array, Array]:
-    """Gauss' rule on every piece between `breaks`, of so many points each: places and weights."""
+    """Gauss rule on every piece between `breaks`, with the given number of points: positions and weights."""
     places, weights = [], []
     for left, right, count in zip(breaks[:-1], breaks[1:], points, strict=True):
         x, w = np.polynomial.legendre.leggauss(count)

@@ -1,9 +1,8 @@
-"""Modes of a section of any mass and stiffness, by Ritz's method with the curvature as the unknown.
+"""Modes of a section with any distribution of mass and stiffness, by the Ritz method with the curvature as unknown.
 
 On each piece of the chord between two breaks the curvature is a Legendre series; integrated twice from the clamp it
-gives the deflection, which is then continuous with its slope whatever the series. The stiffness matrix has blocks for
-each piece alone, and where the section vanishes towards the tip nothing is singular. Convergence is exponential in the
-number of terms.
+gives the deflection, which is continuous with its slope. The stiffness matrix is block diagonal, and sections that
+vanish at the tip cause no singularity. Convergence is exponential in the number of terms.
 """
 
 import math
@@ -17,10 +16,10 @@ from .distribution import Array, Section, gauss
 
 TERMS = 6
 TERMS_A_CHORD = 56
-"""Terms of a piece: a few, and more in proportion to its length (twenty modes have nine waves along the chord)."""
+"""Terms per piece: a minimum, plus a number proportional to its length (mode 20 has nine waves along the chord)."""
 
 SPARE_POINTS = 4
-"""Gauss points of a piece beyond its terms: exact up to the powers that tables multiply up to."""
+"""Gauss points per piece in addition to its terms; exact for products of all tables."""
 
 
 @dataclass(frozen=True)
@@ -40,10 +39,10 @@ class Bent:
 
 
 def modes(section: Section, count: int) -> Bent:
-    """The `count` lowest modes of a section that is clamped at s = 0.
+    """The `count` lowest modes of a section clamped at s = 0.
 
-    `K a = omega^2 M a` is solved from its other end, `M a = omega^-2 K a`: the lowest modes are then the largest
-    eigenvalues, which round-off leaves alone.
+    `K a = omega^2 M a` is solved as `M a = omega^-2 K a`: the lowest modes are then the largest eigenvalues, which are
+    insensitive to round-off.
     """
     assert section.flexural_rigidity is not None
     breaks, chord = section.breaks, section.chord
@@ -58,7 +57,7 @@ def modes(section: Section, count: int) -> Bent:
     values, vectors = eigh((turned * mass) @ turned.T, subset_by_index=(last - count + 1, last))
     coefficients = solve_triangular(factor, vectors[:, ::-1], lower=True, trans="T").T
     shapes = coefficients @ moved
-    # The eigenvectors are normal in mass only to the round-off of the first mode; here every mode to its own.
+    # Normalise every mode again, since the eigenvectors are normalised only to the round-off of the first mode.
     gram = cholesky((shapes * mass) @ shapes.T, lower=True)
     turn = solve_triangular(gram, np.eye(count), lower=True)
     turn *= np.sign(turn @ shapes @ (mass * places))[:, None]
@@ -72,7 +71,7 @@ def terms(breaks: Array) -> list[int]:
 
 
 def curvature(breaks: Array, s: Array) -> Array:
-    """The unknowns' shares of the second derivative by s, at s: (unknowns, len(s))."""
+    """Second derivative of each unknown's shape at s: (unknowns, len(s))."""
     rows = []
     for left, right, count in zip(breaks[:-1], breaks[1:], terms(breaks), strict=True):
         x = 2.0 * (s - left) / (right - left) - 1.0
@@ -81,9 +80,9 @@ def curvature(breaks: Array, s: Array) -> Array:
 
 
 def deflection(breaks: Array, s: Array) -> tuple[Array, Array]:
-    """The unknowns' shares of the deflection at s, and of its slope by s: (unknowns, len(s)) each.
+    """Deflection of each unknown's shape at s, and its slope by s: (unknowns, len(s)) each.
 
-    Behind its piece a share goes on straight.
+    Beyond its piece a shape continues as a straight line.
     """
     shares, slopes = [], []
     for left, right, count in zip(breaks[:-1], breaks[1:], terms(breaks), strict=True):

@@ -1,1 +1,1 @@
-"""Studies: many cases through the one march, and what they amount to."""
+"""Studies: sweeps, convergence, optimisation and strips, run through the common march."""

@@ -1,4 +1,4 @@
-"""Many cases of one solver, marched side by side, and what a map keeps of each."""
+"""Batches of cases with one solver, marched side by side, and the metrics of each case."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -18,22 +18,22 @@ from ..march.march import March
 from ..metrics.names import SERIES, measure
 
 LAUNCH_WORK = 6e8
-"""Work of one launch a thread, in pair interactions: about half a second, in which nothing can be interrupted."""
+"""Work per launch and thread, in pair interactions: about half a second, which cannot be interrupted."""
 BATCH_WORK = 5e8
-"""Work of a batch a thread: what a crash may cost. One launch does a batch of small cases."""
+"""Work per batch and thread: the most that a crash can cost. Small cases need one launch per batch."""
 BATCH_BYTES = 2**27
-"""Memory of a batch."""
+"""Maximum memory of a batch, bytes."""
 SHARES = 4
-"""Least number of cases a thread, so that no thread waits long for the last."""
+"""Minimum number of cases per thread, so that no thread waits long for the last case."""
 WINDOW = 4096
-"""Cases that are looked at together to make batches of like cost."""
+"""Number of cases considered together to form batches of similar cost."""
 LOOKED_AT = 512
-"""Cases from which the work of a study is told before they run."""
+"""Number of cases sampled to estimate the work of a study."""
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Some cases of a design that share their solver: their numbers, the cases themselves, and their work."""
+    """Cases of a design with the same solver: their numbers, the cases, and their work."""
 
     numbers: list[int]
     cases: list[Case]
@@ -43,9 +43,9 @@ class Batch:
 def batches(
     case: Case, design: Design, pending: np.ndarray, threads: int | None
 ) -> Iterator[Batch | tuple[int, CaseError]]:
-    """The pending cases of a design in batches of one solver, of like cost, that fit in memory.
+    """The pending cases of a design in batches with one solver and similar cost, that fit in memory.
 
-    A case whose values do not go together comes alone, with what is wrong with it.
+    An invalid case is returned alone, with its error.
     """
     for first in range(0, len(pending), WINDOW):
         found: list[tuple[Any, int, Case]] = []
@@ -84,8 +84,10 @@ def _batch(gathered: list[tuple[Any, int, Case]]) -> Batch:
 
 
 def whole_work(case: Case, design: Design, pending: np.ndarray) -> float:
-    """Rough cost of the pending cases of a design, in pair interactions: from a sample of them, if they are many."""
-    # At random: evenly spaced numbers of a grid may all have the same value of a key.
+    """Approximate cost of the pending cases of a design, in pair interactions, estimated from a sample if they are
+    many.
+    """
+    # A random sample, since evenly spaced cases of a grid may share the value of a key.
     several = len(pending) > LOOKED_AT
     looked_at = np.random.default_rng(0).choice(pending, LOOKED_AT, replace=False) if several else pending
     found = 0.0
@@ -96,12 +98,12 @@ def whole_work(case: Case, design: Design, pending: np.ndarray) -> float:
 
 
 def work(case: Case) -> float:
-    """Rough cost of a case, in pair interactions (about a nanosecond)."""
+    """Approximate cost of a case, in pair interactions (about one nanosecond each)."""
     return fluids.load(case.solver).work(case, case.steps // 2) * case.steps
 
 
 def memory(case: Case) -> float:
-    """Bytes that a case takes in a batch: its motion and what the march tracks of it, twice; and the wake's ring."""
+    """Memory of a case in a batch, bytes: twice its motion and history, and its wake."""
     tracked = 2.0 * 8.0 * (4 + 4 * case.wing.modes) * case.steps
     return tracked + 2.0 * 8.0 * 8.0 * case.steps + 10.0 * fluids.load(case.solver).frame_bytes(case)
 
@@ -113,10 +115,10 @@ def compute(
     threads: int | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> list[Outcome]:
-    """Run cases of one solver together. What comes of a case does not depend on its company.
+    """Run cases with one solver together. The results of a case do not depend on the other cases.
 
     Args:
-        progress: called with the share that is done, 0 to 1.
+        progress: callback of the fraction done, 0 to 1.
     """
     with fluids.blamed(cases[0].solver):
         march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False)

@@ -1,4 +1,4 @@
-"""Batches on a Dask cluster: handed to its workers, taken back as they come. The only module that knows Dask."""
+"""Running batches on a Dask cluster. The only module that uses Dask."""
 
 import logging
 import sys
@@ -18,28 +18,29 @@ from .batch import Batch, compute
 PATIENCE = 15
 """Seconds to wait for a scheduler's answer."""
 WORKERS_PATIENCE = 600
-"""Seconds to wait for the first worker: those of a batch system come when the queue lets them."""
+"""Seconds to wait for the first worker, which may be queued in a batch system."""
 AHEAD = 2
-"""Batches that wait or run for each thread of the workers, so that none idles while results travel."""
+"""Number of batches submitted per worker thread, so that no thread is idle while results are transferred."""
 RETRIES = 3
 
 _lane = ThreadPoolExecutor(1)
-"""The thread of a worker process that computes: Taichi wants the same one every time."""
+"""The computing thread of a worker process; Taichi needs the same thread every time."""
 
 
 class ClusterError(UserError):
-    """A cluster that does not answer or cannot run taichiflap: one sentence with the address and the cure."""
+    """Raised if a cluster does not answer or cannot run taichiflap; one sentence with the address and the cure."""
 
 
 def there(
     address: str, found: Iterable[Batch], metrics: Sequence[str], keep_series: bool
 ) -> Iterator[tuple[Batch, list[Outcome]]]:
-    """Run batches on the scheduler at `address`, or on worker processes here for `"local:N"`, in any order.
+    """Run batches on the scheduler at `address`, or on local worker processes for `"local:N"`; yields results in any
+    order.
 
-    A batch whose worker dies is run again on another.
+    If a worker dies, its batch is run again on another.
 
     Raises:
-        ClusterError: when nobody answers, or the workers cannot run taichiflap.
+        ClusterError: if the scheduler does not answer, or the workers cannot run taichiflap.
     """
     distributed = extra("distributed", "cluster", "--cluster needs Dask", ClusterError)
     waiting = iter(found)
@@ -62,7 +63,7 @@ def there(
             future = next(coming)
             batch = running.pop(future)
             try:
-                # Waits once more where the worker that finished it has died since.
+                # Wait again if the worker that finished it has died meanwhile.
                 outcomes = future.result()
             except Exception as error:
                 raise ClusterError(f"--cluster {address}: a batch of cases failed on a worker: {error}") from None
@@ -74,10 +75,13 @@ def work(version: str, cases: Sequence[Case], metrics: Sequence[str], keep_serie
     """Run a batch in a worker process, on one thread.
 
     Raises:
-        ClusterError: when the worker has another version of taichiflap.
+        ClusterError: if the worker has another version of taichiflap.
     """
     if version != __version__:
-        raise ClusterError(f"the worker has taichiflap {__version__}, the study was started with {version}")
+        raise ClusterError(
+            f"the worker has taichiflap {__version__} but the study was started with {version}; install the same "
+            "version"
+        )
     return _lane.submit(compute, cases, metrics, keep_series, 1).result()
 
 
@@ -91,11 +95,11 @@ def _connect(distributed: Any, address: str, stack: ExitStack) -> Any:
         local = distributed.LocalCluster(**processes, **options)
         return stack.enter_context(distributed.Client(stack.enter_context(local)))
     began = time.monotonic()
-    # What goes wrong is said here, in one sentence.
+    # Errors are reported here, in one sentence.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         return stack.enter_context(_within(PATIENCE + 1, lambda: distributed.Client(address, timeout=PATIENCE)))
-    except Exception as error:  # whatever Dask makes of what another server says
+    except Exception as error:  # any exception of Dask for another server's answer
         lines = str(error).splitlines() or ["no answer"]
         raise ClusterError(
             f"--cluster {address}: no Dask scheduler answers there, after {time.monotonic() - began:.0f} s "
@@ -104,10 +108,11 @@ def _connect(distributed: Any, address: str, stack: ExitStack) -> Any:
 
 
 def _within(seconds: float, work: Callable[[], Any]) -> Any:
-    """What some work gives, or what it raises: Dask waits for ever for a server that takes a connection in silence.
+    """The result of some work, with a time limit, since Dask never stops waiting for a server that accepts a connection
+    but does not answer.
 
     Raises:
-        TimeoutError: when it takes longer.
+        TimeoutError: if it takes longer.
     """
     found: list[Any] = []
     failed: list[Exception] = []
@@ -115,7 +120,7 @@ def _within(seconds: float, work: Callable[[], Any]) -> Any:
     def try_it() -> None:
         try:
             found.append(work())
-        except Exception as error:  # raised again where it is awaited
+        except Exception as error:  # raised again by the waiting thread
             failed.append(error)
 
     thread = threading.Thread(target=try_it, daemon=True)
@@ -129,10 +134,10 @@ def _within(seconds: float, work: Callable[[], Any]) -> Any:
 
 
 def _await_workers(distributed: Any, client: Any, address: str) -> None:
-    """Wait until there is a worker.
+    """Wait for the first worker.
 
     Raises:
-        ClusterError: when none has come after `WORKERS_PATIENCE`.
+        ClusterError: if there is none after `WORKERS_PATIENCE`.
     """
     for patience in (PATIENCE, WORKERS_PATIENCE):
         try:

@@ -1,9 +1,9 @@
-"""How fine is fine enough: refine one key after the other until the chosen metrics hold still.
+"""Convergence study: refine one key after the other until the chosen metrics converge.
 
-The rule: a key is doubled (modes: one more) from where the case has it. A value is fine enough when its next two
-refinements both leave every chosen metric within the tolerance of it; the keys after it are refined from there. With
-the time step the number of wake vortices is refined too, so that the wake stays as long. At the end the lattice and
-the time step are refined once more together, which tells whether one key at a time was good enough.
+Starting from its value in the case, a key is doubled (modes: one more). A value is accepted if its next two refinements
+both change every chosen metric by less than the tolerance. The accepted value is kept while the next keys are refined.
+The number of wake vortices is refined together with the time step, so that the length of the wake stays the same. At
+the end lattice and time step are refined once more together, to check the method of one key at a time.
 """
 
 import math
@@ -20,23 +20,25 @@ from .ledger import Ledger, Point
 
 IN_HOVER = ("force_vertical_mean", "power_mean", "tip_peak_mean")
 IN_STREAM = ("lift_mean", "thrust_mean", "power_mean", "tip_peak_mean")
-"""Metrics that are held if none are named."""
+"""Default metrics."""
 PEAK, LEAST = "force_normal_peak_mean", 0.01
-"""A mean force counts as at least this share of the peak force: one that cancels out over a beat is no scale."""
+"""Minimum scale of a mean force as a share of the peak force, since a mean that cancels over a beat is no suitable
+scale.
+"""
 REFINEMENTS = 5
-"""A key is refined at most so often: 32 times finer, or 5 modes more."""
+"""Maximum number of refinements of a key: 32 times finer, or 5 more modes."""
 STEPS, MODES, PERIODS = "time.steps_per_period", "wing.modes", "time.periods"
 
 Told = Callable[["Trial"], None]
 
 
 class ConvergeError(UserError):
-    """A study of convergence that cannot be: one sentence."""
+    """Raised for an invalid convergence study; one sentence."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One value of a key, the metrics there, and their largest change from the value before, as a share."""
+    """One value of a key, its metrics, and their largest relative change from the previous value."""
 
     key: str
     value: int
@@ -46,14 +48,14 @@ class Trial:
 
 @dataclass
 class Convergence:
-    """The path of the search.
+    """Result of a convergence study.
 
     Attributes:
-        tolerance: as a share.
-        trials: every value of every key, in order, with the largest change of a metric from the value before.
-        accepted: the value of each key that is fine enough.
-        open: keys that were not yet fine enough at their finest.
-        together: the largest change when lattice and time step are refined once more together.
+        tolerance: relative tolerance.
+        trials: all trials in order, with the largest change of a metric from the previous value.
+        accepted: accepted value of each key.
+        open: keys that did not converge.
+        together: largest change if lattice and time step are refined once more together.
     """
 
     tolerance: float
@@ -64,15 +66,15 @@ class Convergence:
 
     @property
     def settings(self) -> list[str]:
-        """The accepted values as `--set` takes them."""
+        """The accepted values as settings for `--set`."""
         return [f"{key}={value}" for key, value in self.accepted.items()]
 
 
 def read_tolerance(text: str) -> float:
-    """A share from `1%` or `0.01`.
+    """Parse a tolerance such as `1%` or `0.01`.
 
     Raises:
-        ConvergeError: when it is neither, or not between 0 and 1.
+        ConvergeError: if it is invalid, or not between 0 and 1.
     """
     try:
         value = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
@@ -94,17 +96,17 @@ def converge(
     told: Told | None = None,
     overwrite: bool = False,
 ) -> Convergence:
-    """Find panels or elements, time steps, wake length, beats and modes that hold metrics within a tolerance.
+    """Find panels or elements, time steps, wake length, beats and modes for which metrics are converged to a tolerance.
 
     Args:
-        case: where to start from.
-        tolerance: as a share, such as 0.01.
-        output: the file that keeps every case, so that none is run twice; in memory if None.
-        metrics: which are to hold; vertical force (in a stream lift and thrust), power and tip deflection if empty.
-        told: called with every trial.
+        case: starting case.
+        tolerance: relative tolerance, such as 0.01.
+        output: map file that stores every case, so that none is run twice; in memory if None.
+        metrics: metrics to converge; if empty, vertical force (in a stream lift and thrust), power and tip deflection.
+        told: callback of every trial.
 
     Raises:
-        UserError: for a metric, a file or a cluster that cannot be; for a case that fails.
+        UserError: for an invalid metric, file or cluster, or if a case fails.
     """
     chosen = choose(metrics or (IN_STREAM if case.fluid.streams else IN_HOVER), [case])
     start = _start(case)
@@ -126,14 +128,16 @@ def _start(case: Case) -> dict[str, int]:
     found = fluids.load(case.solver).refinements(case)
     steps, periods = case.time.steps_per_period, case.time.periods
     if not isinstance(steps, int) or periods is None:
-        raise ConvergeError(f"{STEPS} and {PERIODS}: give them as numbers to refine, with --set or in the case file")
+        raise ConvergeError(
+            f"{STEPS} and {PERIODS}: give both as numbers, with --set or in the case file, so that they can be refined"
+        )
     start = {one.key: one.value for one in found if not one.per_step}
     start |= {STEPS: steps} | {one.key: one.value for one in found if one.per_step} | {PERIODS: periods}
     return start | ({MODES: case.wing.modes} if case.wing.modes else {})
 
 
 def _per_step(case: Case) -> dict[str, int]:
-    """The keys that count what the steps leave behind, and how much a step leaves."""
+    """Keys that count what steps produce, and the maximum number per step."""
     return {one.key: one.per_step for one in fluids.load(case.solver).refinements(case) if one.per_step}
 
 
@@ -156,12 +160,12 @@ class _Search:
     peak: float = 0.0
 
     def refine(self, key: str, start: dict[str, int]) -> dict[str, int]:
-        """The coarsest point along a key whose next two refinements change little."""
+        """Coarsest value of a key whose next two refinements change little."""
         points = [start]
         while len(points) <= REFINEMENTS:
             finer = _refined(points[-1], key, self.case)
             if finer == points[-1]:
-                break  # it holds all that the run leaves: there is none finer
+                break  # it already covers the whole run, so that it cannot be refined
             points.append(finer)
         whole = len(points) <= REFINEMENTS
         metrics = self.metrics(points[:3])
@@ -180,7 +184,7 @@ class _Search:
         return points[i]
 
     def metrics(self, points: Sequence[dict[str, int]]) -> list[dict[str, float]]:
-        """Chosen metrics at some points, computed together."""
+        """Chosen metrics at several points, computed together."""
         tuples: list[Point] = [tuple(point.values()) for point in points]
         found = []
         for point, outcome in zip(points, self.ledger.outcomes(tuples), strict=True):
@@ -190,17 +194,17 @@ class _Search:
             found.append({name: outcome.metrics[name] for name in self.chosen})
             for name, value in found[-1].items():
                 if math.isnan(value):
-                    raise ConvergeError(f"metric {name}: has no value in this case, so that there is nothing to refine")
+                    raise ConvergeError(f"metric {name}: undefined in this case; choose another")
             self.peak = max(self.peak, outcome.metrics[PEAK])
         return found
 
     def change(self, pair: Sequence[dict[str, float]]) -> float:
-        """Largest change of a chosen metric, as a share of the larger value, or of its scale."""
+        """Largest change of a chosen metric, relative to the larger value or to its scale."""
         first, second = pair
         return max(_share(first[name], second[name], self._scale(name)) for name in self.chosen)
 
     def _scale(self, name: str) -> float:
-        """What a change of a metric is at least a share of."""
+        """Minimum scale of a metric."""
         return LEAST * self.peak if name.endswith("_mean") and QUANTITIES[name].units == "N" else 0.0
 
     def _tell(self, trial: Trial) -> None:
@@ -215,7 +219,7 @@ def _share(first: float, second: float, least: float) -> float:
 
 
 def line(trial: Trial) -> str:
-    """A trial as a row of the table."""
+    """A trial as a line of the table."""
     units = {name: fraction(QUANTITIES[name].units) for name in trial.metrics}
     values = "".join(f"  {name} {value:.6g} {units[name]}".rstrip() for name, value in trial.metrics.items())
     change = "" if trial.change != trial.change else f"  changed by {100.0 * trial.change:.3g} %"
@@ -223,9 +227,9 @@ def line(trial: Trial) -> str:
 
 
 def verdict(found: Convergence) -> list[str]:
-    """What was found, in lines."""
+    """The result as lines of text."""
     tolerance = f"{100.0 * found.tolerance:g} %"
-    lines = [f"NOT within {tolerance} at its finest: {key}" for key in found.open]
-    lines.append(f"lattice and time step refined once more together: changed by {100.0 * found.together:.3g} %")
-    lines.append(f"fine enough for {tolerance}, {'but for what is named above' if found.open else 'in every key'}:")
+    lines = [f"NOT converged to {tolerance} at the finest value: {key}" for key in found.open]
+    lines.append(f"lattice and time step refined once more together: change of {100.0 * found.together:.3g} %")
+    lines.append(f"converged to {tolerance}{', except for the keys named above' if found.open else ' in every key'}:")
     return [*lines, " ".join(f"--set {setting}" for setting in found.settings)]

@@ -1,4 +1,4 @@
-"""Arithmetic over metrics as a user writes it: `vertical_force_mean / power_mean`, `tip_peak_mean <= 0.01`."""
+"""Expressions of metrics: `vertical_force_mean / power_mean`, `tip_peak_mean <= 0.01`."""
 
 import ast
 import operator
@@ -23,28 +23,28 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {"abs": np.abs, "sqrt": np.sqrt, "mi
 _SIGNS: dict[type[ast.cmpop], float] = {ast.GtE: 1.0, ast.Gt: 1.0, ast.LtE: -1.0, ast.Lt: -1.0}
 
 LONGEST = 500
-"""Characters of a formula: so many brackets and signs can be taken apart."""
+"""Maximum length of a formula, for which nested brackets can be parsed."""
 SHOWN = 60
-"""Characters of a wrong one that a message shows."""
+"""Maximum length of a wrong formula in a message."""
 LARGEST = 1e100
 TINY = 1e-300
-"""Added to what would else be a division of zero by zero."""
+"""Added to avoid a division of zero by zero."""
 
 
 class ExpressionError(UserError):
-    """An expression that cannot be evaluated: one sentence with what is wrong in it."""
+    """Raised for an invalid expression; one sentence with the problem."""
 
 
 @dataclass(frozen=True)
 class Expression:
-    """A quantity made of metrics; `of` evaluates it. Overflow, and division by zero, give not-a-number or infinity."""
+    """An expression of metrics; `of` evaluates it. Overflow and division by zero give NaN or infinity."""
 
     text: str
     names: tuple[str, ...]
     _tree: ast.expr
 
     def of(self, metrics: Mapping[str, float]) -> float:
-        """Its value for the metrics of a case."""
+        """Value for the metrics of a case."""
         with np.errstate(all="ignore"):
             return float(_evaluate(self._tree, metrics))
 
@@ -54,21 +54,22 @@ def read_expression(text: str) -> Expression:
 
     Raises:
         ExpressionError: for anything else.
-        QuantityError: for a name that is no metric.
+        QuantityError: for an unknown metric.
     """
     tree = _parse(text)
     if isinstance(tree, ast.Compare):
-        raise ExpressionError(f"{text!r}: compares; give what is to be as large or as small as can be")
+        raise ExpressionError(f"{text!r}: this is a comparison; give the expression to maximise or minimise")
     return _expression(text, tree)
 
 
 def read_constraint(text: str) -> Expression:
-    """A condition `A >= B` or `A <= B` as an expression from -1 to 1 that is not negative where it holds.
+    """A constraint `A >= B` or `A <= B` as an expression from -1 to 1 that is non-negative where it is met.
 
-    It is the difference over the sum of both sizes, so that conditions on forces and on angles weigh alike.
+    It is the difference divided by the sum of both magnitudes, so that constraints on forces and on angles have equal
+    weight.
 
     Raises:
-        ExpressionError, QuantityError: as `read_expression`, and for anything but one comparison.
+        ExpressionError, QuantityError: as in `read_expression`, and for anything but one comparison.
     """
     tree = _parse(text)
     if not isinstance(tree, ast.Compare) or len(tree.ops) != 1 or type(tree.ops[0]) not in _SIGNS:
@@ -100,18 +101,18 @@ def _shown(text: str) -> str:
 def _expression(text: str, tree: ast.expr) -> Expression:
     names = tuple(dict.fromkeys(resolve(name) for name in _names(text, tree)))
     if not names:
-        raise ExpressionError(f"{text!r}: names no metric")
+        raise ExpressionError(f"{text!r}: contains no metric")
     return Expression(text, names, tree)
 
 
 def _names(text: str, node: ast.expr) -> list[str]:
-    """Names in a formula; refuses what is no formula."""
+    """Names in a formula; raises an error for invalid syntax."""
     match node:
         case ast.Constant(value=bool() | complex()):
             pass
         case ast.Constant(value=int() | float() as value):
             if not abs(value) < LARGEST:
-                raise ExpressionError(f"{_shown(text)}: a number too large; give one below {LARGEST:g}")
+                raise ExpressionError(f"{_shown(text)}: a number is too large; give one below {LARGEST:g}")
             return []
         case ast.Name(id=name):
             return [name]
@@ -125,7 +126,7 @@ def _names(text: str, node: ast.expr) -> list[str]:
                 raise ExpressionError(f"{text!r}: {name} takes {arguments}")
             return [found for one in inside for found in _names(text, one)]
     raise ExpressionError(
-        f"{text!r}: {ast.unparse(node)} is not understood; use metrics, numbers, + - * / **, {', '.join(_FUNCTIONS)}"
+        f"{text!r}: {ast.unparse(node)} is not supported; use metrics, numbers, + - * / **, {', '.join(_FUNCTIONS)}"
     )
 
 

@@ -1,4 +1,4 @@
-"""A growing map: the points that a search has come to, each computed once, whatever asks for it and whenever."""
+"""A growing map of the points of a search, each computed only once."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,18 +18,18 @@ Point = tuple[Value, ...]
 
 
 class Ledger:
-    """What came of every point of some keys that was ever asked for; a file keeps it from one run to the next.
+    """Outcomes of all requested points; a file keeps them between runs.
 
     Args:
         case: the base case.
-        first: a point by key; it fixes which keys vary, and is the first to be computed.
-        metrics: what is kept of every point.
-        path: the map file; in memory if None. A file of the same case and keys is gone on with.
-        cluster, threads: as `sweep` takes them.
+        first: first point to compute, by key; it defines the varied keys.
+        metrics: metrics stored for every point.
+        path: the map file; in memory if None. A file with the same case and keys is continued.
+        cluster, threads: as in `sweep`.
         overwrite: replace a file of another study.
 
     Raises:
-        MapError: when the file belongs to another study, or cannot be written.
+        MapError: if the file belongs to another study, or cannot be written.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class Ledger:
         else:
             design = Design(tuple(Axis(key, (value,)) for key, value in first.items()), grid=False)
             self.sheet = maps.create(path, case, design, {name: QUANTITIES[name] for name in metrics})
-        self.sheet.case = case  # which knows the files of its tables, as the map does not
+        self.sheet.case = case  # it has the files of its tables, which a map lacks
         columns = [axis.values for axis in self.sheet.design.axes]
         self._numbers: dict[Point, int] = {point: i for i, point in enumerate(zip(*columns, strict=True))}
         self._found: dict[int, Outcome] = {}
@@ -65,10 +65,10 @@ class Ledger:
         self.sheet.close()
 
     def outcomes(self, points: Sequence[Point], progress: Progress | None = None) -> list[Outcome]:
-        """What came of some points, in the order of `keys`; those that are new are computed together.
+        """Outcomes of some points, in the order of `keys`; new points are computed together.
 
         Raises:
-            UserError: as `sweep` does.
+            UserError: as in `sweep`.
         """
         new = [point for point in dict.fromkeys(points) if point not in self._numbers]
         if new:
@@ -96,4 +96,6 @@ class Ledger:
         else:
             return
         sheet.close()
-        raise MapError(f"{sheet.path}: holds a study {reason}; name another file with -o, or --overwrite this one")
+        raise MapError(
+            f"{sheet.path}: holds a study {reason}; name another file with -o, or use --overwrite to replace it"
+        )

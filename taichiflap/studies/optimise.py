@@ -1,4 +1,4 @@
-"""The best case of a range: SciPy's differential evolution, a whole generation marched at a time."""
+"""Optimisation by SciPy's differential evolution; each generation is marched as a batch."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ from .ledger import Ledger
 
 GENERATIONS, POPULATION = 40, 32
 FEWEST = 5
-"""Differential evolution mixes three others into each member of a population."""
+"""Minimum population: differential evolution combines each member with three others."""
 
 Told = Callable[[int, "Optimum | None"], None]
-"""Called after each generation with its number and the best case so far."""
+"""Callback of the number of a generation and the best case so far."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,14 @@ class Optimum:
     """The best case found.
 
     Attributes:
-        point: its values, by key.
-        value: of the objective.
-        metrics: all of its metrics.
-        holds: whether it meets every condition.
-        evaluations: how many cases the search looked at.
-        doubts: what is implausible about it, a sentence each.
-        at_edge: the keys whose value is at an edge of its range, so that a better case may lie beyond.
-        converged: whether the population came together before the last generation.
+        point: values by key.
+        value: value of the objective.
+        metrics: all metrics of the case.
+        holds: whether it meets all constraints.
+        evaluations: number of evaluated cases.
+        doubts: warnings about the case, one sentence each.
+        at_edge: keys with a value at an end of the range, so that a better case may lie outside.
+        converged: whether the population converged before the last generation.
     """
 
     point: dict[str, Value]
@@ -50,16 +50,18 @@ class Optimum:
 
     @property
     def settings(self) -> list[str]:
-        """What makes the base case into it, as `--set` takes it."""
+        """Settings that turn the base case into it, as for `--set`."""
         return [f"{key}={value}" for key, value in self.point.items()]
 
 
 class _NoValueError(Exception):
-    """An objective that is defined nowhere. SciPy takes a ValueError, as a UserError is, for one of its own."""
+    """Raised for an objective without a finite value. It is not a ValueError (as UserError is), which SciPy would
+    catch.
+    """
 
 
 class _Search:
-    """Points of the unit cube to objective and conditions, by way of the ledger."""
+    """Maps points of the unit cube to objective and constraints, using the ledger."""
 
     def __init__(self, ledger: Ledger, spreads: Mapping[str, Spread], objective: Expression, sign: float) -> None:
         self.ledger, self.spreads, self.objective, self.sign = ledger, spreads, objective, sign
@@ -71,7 +73,7 @@ class _Search:
         return list(zip(*columns, strict=True))
 
     def look(self, unit: np.ndarray) -> list[tuple[float, float, dict[str, float]]]:
-        """Cost, least margin of the conditions, and metrics at points, shape (keys, points), or at one."""
+        """Cost, smallest margin of the constraints, and metrics at points, shape (keys, points), or at one point."""
         points = self.points(unit.reshape(len(self.spreads), -1))
         for point, outcome in zip(points, self.ledger.outcomes(points), strict=True):
             if point not in self.seen:
@@ -93,7 +95,7 @@ class _Search:
         return margins if unit.ndim == 1 else margins[None, :]
 
     def best(self) -> Optimum | None:
-        """The best case so far that meets the conditions; the one that comes closest if none does."""
+        """Best case so far that meets the constraints, or the closest one if none does."""
         ranked = sorted(self.seen.items(), key=lambda item: (-min(item[1][1], 0.0), item[1][0]))
         for point, (cost, margin, metrics) in ranked:
             if np.isfinite(cost):
@@ -121,37 +123,37 @@ def optimise(
     told: Told | None = None,
     overwrite: bool = False,
 ) -> Optimum | None:
-    """Search ranges of keys for the case that maximises, or minimises, an expression of metrics.
+    """Search ranges of keys for the case that maximises or minimises an expression of metrics.
 
-    Every case that the search looks at stands in the map `output`, in the order of the search; a case that stands
-    there already, from a search that was interrupted or had another aim, is not run again.
+    Every evaluated case is stored in the map `output`, in order. Cases in the map from an interrupted search, or from
+    one with another objective, are not run again.
 
     Args:
-        vary: for each key a range `"a:b"` or `"a:b:log"`, or a list of values to choose from.
-        maximise, minimise: one of them, such as `"vertical_force_mean / power_mean"`.
-        subject_to: conditions such as `"vertical_force_mean >= 2.5e-3"`.
-        generations, population: at most so many generations, of so many cases each.
-        seed: of the random choices; the same seed gives the same search.
+        vary: for each key a range `"a:b"` or `"a:b:log"`, or a list of values.
+        maximise, minimise: one of both, an expression such as `"vertical_force_mean / power_mean"`.
+        subject_to: constraints such as `"vertical_force_mean >= 2.5e-3"`.
+        generations, population: maximum number of generations, and number of cases in each.
+        seed: seed of the random numbers; the same seed gives the same search.
         cluster, threads: as `sweep` takes them.
 
     Returns:
         The best case, or None if every case failed.
 
     Raises:
-        UserError: for a range, an expression, a file or a cluster that cannot be, in one sentence.
+        UserError: for an invalid range, expression, file or cluster; one sentence.
     """
     from scipy.optimize import NonlinearConstraint, differential_evolution  # noqa: PLC0415 - half a second
     from scipy.stats import qmc  # noqa: PLC0415
 
     aim = _aim(maximise, minimise)
     if population < FEWEST or generations < 1:
-        raise DesignError(f"a search has at least {FEWEST} cases a generation, and one generation")
+        raise DesignError(f"give at least {FEWEST} cases per generation, and one generation")
     spreads = _spreads(case, vary)
     conditions = [read_constraint(text) for text in subject_to]
     examples = list(_ends(spreads).examples(case))
     for one in (aim, *conditions):
         choose(one.names, examples)
-    # The first generation fills the cube evenly.
+    # The first generation samples the cube evenly.
     unit = qmc.LatinHypercube(len(spreads), seed=seed).random(population)
     first = {key: spread.at(unit[:1, k])[0] for k, (key, spread) in enumerate(spreads.items())}
     path = None if output is None else Path(output)
@@ -160,7 +162,7 @@ def optimise(
         ledger.sheet.note({"objective": aim.text, "conditions": "; ".join(subject_to)})
         search = _Search(ledger, spreads, aim, -1.0 if maximise else 1.0)
         search.conditions = conditions
-        generation = 1  # the first fills the cube, and is not told
+        generation = 1  # the first generation only samples the cube and is not reported
 
         def tell(intermediate_result: Any) -> None:
             nonlocal generation
@@ -189,16 +191,16 @@ def optimise(
 
 
 def _why_none(objective: Expression, measured: Sequence[Mapping[str, float]]) -> str:
-    """Why an objective has no finite value in any of the cases."""
+    """Why an objective has no finite value in any case."""
     columns = {name: np.array([metrics[name] for metrics in measured]) for name in objective.names}
     found = [f"{name} has no value" for name, values in columns.items() if np.isnan(values).all()]
     found += [f"{name} is 0" for name, values in columns.items() if not values.any()]
-    reason = " and ".join(found) or "it divides by zero, or takes a root of what is negative"
-    return f"{objective.text!r}: has no finite value in any of the first {len(measured)} cases: {reason}"
+    reason = " and ".join(found) or "it divides by zero, or takes the root of a negative number"
+    return f"{objective.text!r}: no finite value in the first {len(measured)} cases: {reason}"
 
 
 def _unwrapped(search: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
-    """What a search of SciPy's gives; of an error of ours it makes one of its own."""
+    """Run SciPy's search; our errors pass through it unchanged."""
     try:
         return search(*arguments, **options)
     except RuntimeError as error:
@@ -209,13 +211,13 @@ def _unwrapped(search: Callable[..., Any], *arguments: Any, **options: Any) -> A
 
 def _aim(maximise: str | None, minimise: str | None) -> Expression:
     if (maximise is None) == (minimise is None):
-        raise DesignError("say what to look for: --maximise EXPRESSION, or --minimise EXPRESSION")
+        raise DesignError("no objective; give --maximise EXPRESSION or --minimise EXPRESSION")
     return read_expression(maximise if maximise is not None else str(minimise))
 
 
 def _spreads(case: Case, vary: Mapping[str, Any]) -> dict[str, Spread]:
     if not vary:
-        raise DesignError("nothing varies: give --vary KEY=a:b at least once")
+        raise DesignError("no key varies; give --vary KEY=a:b at least once")
     document = case.to_dict()
     spreads = {key: Spread.read(key, spec, document) for key, spec in vary.items()}
     _ends(spreads).check(case)
@@ -223,33 +225,34 @@ def _spreads(case: Case, vary: Mapping[str, Any]) -> dict[str, Spread]:
 
 
 def _ends(spreads: Mapping[str, Spread]) -> Design:
-    """The ends of all ranges, and all values of lists."""
+    """Ends of all ranges, and all values of lists."""
     several = np.linspace(0.0, 1.0, max(2, *(len(spread.listed) for spread in spreads.values())))
     return Design(tuple(Axis(key, spread.at(several)) for key, spread in spreads.items()), grid=False)
 
 
 def line(best: Optimum | None) -> str:
-    """The best case so far, in a line."""
+    """The best case so far, as a line of text."""
     if best is None:
-        return "no case came to its end"
+        return "no case has completed"
     where = ", ".join(f"{key} = {short(value)}" for key, value in best.point.items())
-    return f"{best.value:.6g}{'' if best.holds else ' (conditions not met)'} at {where}"
+    return f"{best.value:.6g}{'' if best.holds else ' (constraints not met)'} at {where}"
 
 
 def verdict(best: Optimum | None, path: Path) -> list[str]:
-    """What the search found, in lines."""
+    """The result of the search as lines of text."""
     if best is None:
-        return ["no case came to its end: there is no best one"]
+        return ["no case completed, so that there is no best case; widen the ranges or reduce the time step"]
     units = {name: fraction(QUANTITIES[name].units) for name in shown(best.metrics)}
     lines = [f"  {name:<24}{best.metrics[name]:.6g} {unit}".rstrip() for name, unit in units.items()]
-    stopped = "the population came together" if best.converged else "the last generation was reached"
+    stopped = "the population converged" if best.converged else "the last generation was reached"
     return [
-        f"{best.evaluations} cases looked at, {stopped}; all of them are in {path}",
-        f"{'best case' if best.holds else 'NO CASE MEETS THE CONDITIONS; the closest'}: {best.value:.6g}",
+        f"{best.evaluations} cases evaluated, {stopped}; all are in {path}",
+        f"{'best case' if best.holds else 'NO CASE MEETS THE CONSTRAINTS; the closest'}: {best.value:.6g}",
         *lines,
         *(f"warning: {doubt}" for doubt in best.doubts),
         *(
-            f"{key} = {short(best.point[key])} is at the edge of its range: better may lie beyond"
+            f"{key} = {short(best.point[key])} is at the end of its range; a better value may lie outside: widen the "
+            "range"
             for key in best.at_edge
         ),
         _options(best),

@@ -1,7 +1,7 @@
 """A wing as strips: sections at several radii, marched side by side, and the sum of their forces and powers.
 
-Every strip has the case's section, with its own chord and its share of the span, and moves as its radius says. Strips
-do not feel each other: there is no flow along the span, no tip vortex, and no bending or twist from root to tip.
+Every strip has the case's section with its own chord and share of the span, and moves according to its radius. Strips
+do not interact: spanwise flow, the tip vortex, and bending and twist from root to tip are neglected.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,13 +24,13 @@ Array = NDArray[np.float64]
 Planform = Sequence[tuple[float, float]]
 
 SERIES = {"force_y": "N", "force_z": "N", "force_vertical": "N", "power": "W", "power_aerodynamic": "W"}
-"""What is summed, and its units."""
+"""Summed series and their units."""
 MOST = 200
-LEFT_OUT = "strips do not feel each other: no flow along the span, no tip vortex, no bending from root to tip"
+LEFT_OUT = "interaction of strips: spanwise flow, tip vortex, bending from root to tip"
 
 
 class StripsError(UserError):
-    """A wing that cannot be taken in strips: one sentence with the cure."""
+    """Raised for a wing that cannot be divided into strips; one sentence with the cure."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,10 @@ class Strip:
     """One strip.
 
     Attributes:
-        radius: of its middle from the hinge, m.
+        radius: distance of its middle from the hinge, m.
         chord: m.
-        means: over the settled beats, of the series by their names.
-        tip_peak: largest tip deflection, chords.
+        means: means of the series over the settled beats, by name.
+        tip_peak: peak tip deflection, chords.
     """
 
     radius: float
@@ -55,12 +55,12 @@ class Strips:
     """A wing's strips and their sum.
 
     Attributes:
-        strips: from the root outwards.
-        time: s, shape (steps + 1,).
-        total: sums over the strips, by the names of the series, of that shape.
-        means: of the sums over the last `beats` beats.
-        power_positive: mean of the sum of the powers where it is positive, W.
-        beats: how many beats the means are over: those that every strip has settled for.
+        strips: strips from root to tip.
+        time: times, s, shape (steps + 1,).
+        total: sums over the strips, by name of the series, same shape.
+        means: means of the sums over the last `beats` beats.
+        power_positive: mean of the positive part of the summed power, W.
+        beats: number of beats of the means, for which every strip has settled.
     """
 
     strips: tuple[Strip, ...]
@@ -71,10 +71,10 @@ class Strips:
     beats: int
 
     def write(self, path: Path, overwrite: bool = False) -> None:
-        """Write the sums over time as CSV.
+        """Write the time series of the sums as CSV.
 
         Raises:
-            OutputError: when the file exists already or cannot be written.
+            OutputError: if the file exists or cannot be written.
         """
         files.check(path, overwrite)
         columns = [("time (s)", self.time), *((f"{name} ({SERIES[name]})", one) for name, one in self.total.items())]
@@ -94,20 +94,21 @@ def strips(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Strips:
-    """March the strips of a wing side by side, and sum them.
+    """Run the strips of a wing side by side, and sum them.
 
     Args:
         case: its `wing.span` is the distance from hinge to tip, and its chord that of the widest strip.
-        radii: how many strips of equal width.
-        at: the share of the span that plunge and surge of the case are those of, which grow with the radius; not for
-            measured angles, which know their radius.
-        root: where the wing begins, as a share of the span.
-        planform: chords over the case's chord, `(share of the span, factor)`, linear between; 1 everywhere if empty.
-        threads, progress: as `simulate` takes them.
+        radii: number of strips of equal width.
+        at: share of the span at which plunge and surge are those of the case; they are proportional to the radius. Not
+            for measured angles, which have their own radius.
+        root: start of the wing as a share of the span.
+        planform: chord relative to the case's chord, `(share of the span, factor)`, linear between; 1 everywhere if
+            empty.
+        threads, progress: as in `simulate`.
 
     Raises:
-        StripsError: for a wing that cannot be so taken.
-        CaseError: for a strip that cannot be.
+        StripsError: for a wing that cannot be divided into strips.
+        CaseError: for an invalid strip.
     """
     cases, middles = sections(case, radii, at=at, root=root, planform=planform)
     results = simulate(cases, threads=threads, progress=progress)
@@ -116,7 +117,7 @@ def strips(
             raise StripsError(f"the strip at {middle:.3g} m failed: {result.attributes['reason']}")
     beats = min(len(settled_beats(result)) for result in results)
     if not beats:
-        raise StripsError("no whole beat to take means over: give more time.periods")
+        raise StripsError("no whole beat for the means; increase time.periods")
     last = slice(-round(beats * cases[0].steps_per_beat), None)
     total = {name: np.sum([getattr(result, name) for result in results], axis=0) for name in SERIES}
     found = tuple(
@@ -135,22 +136,22 @@ def strips(
 def sections(
     case: Case, radii: int, *, at: float | None = None, root: float = 0.0, planform: Planform = ()
 ) -> tuple[list[Case], list[float]]:
-    """The case of every strip, and the radius of its middle, m; see `strips`."""
+    """Case and mean radius (m) of every strip; see `strips`."""
     length = case.wing.span
     measured = case.motion.measured is not None
     if not isinstance(length, float):
-        raise StripsError("wing.span is a table: strips take it as the distance from hinge to tip; give a number")
+        raise StripsError("wing.span is a table; strips need a number, the distance from hinge to tip")
     if not 1 <= radii <= MOST:
         raise StripsError(f"--radii {radii}: give 1 to {MOST}")
     if not 0.0 <= root < 1.0:
-        raise StripsError(f"--root {root:g}: a share of the span, from 0 to below 1")
+        raise StripsError(f"--root {root:g}: give a share of the span, from 0 to below 1")
     if not measured and at is None:
-        raise StripsError("--at: at what share of the span does the wing move as the case says? Give it, e.g. --at 0.6")
+        raise StripsError("--at is missing: give the share of the span that moves as in the case, e.g. --at 0.6")
     if at is not None and (measured or not 0.0 < at <= 1.0):
         why = (
-            "measured angles know their radius; leave it out"
+            "measured angles have their own radius; leave it out"
             if measured
-            else "a share of the span, above 0 and up to 1"
+            else "give a share of the span, above 0 and up to 1"
         )
         raise StripsError(f"--at {at:g}: {why}")
     places, factors = _checked(planform)
@@ -182,7 +183,7 @@ def _strip(case: Case, middle: float, further: float, chord: float, share: float
 
 
 def _further(travel: Travel, factor: float) -> dict[str, Any]:
-    """A motion with all its lengths times a factor."""
+    """A motion with all lengths multiplied by a factor."""
     keys = travel.model_dump(mode="json", exclude_none=True)
     for name in ("amplitude", "mean", "initial", "smooth_error"):
         if name in keys:
@@ -200,7 +201,7 @@ def _times(value: Any, factor: float) -> Any:
 def _checked(planform: Planform) -> tuple[list[float], list[float]]:
     places, factors = [place for place, _ in planform] or [0.0], [factor for _, factor in planform] or [1.0]
     if sorted(set(places)) != places or min(places) < 0.0 or max(places) > 1.0 or min(factors) <= 0.0:
-        raise StripsError("--planform: give SHARE:CHORD pairs, shares from 0 to 1 that rise and chords above 0")
+        raise StripsError("--planform: give SHARE:CHORD pairs with increasing shares from 0 to 1 and chords above 0")
     return places, factors
 
 
@@ -208,7 +209,7 @@ def read_planform(text: str) -> list[tuple[float, float]]:
     """`"0:0.6,0.5:1,1:0.3"` as pairs.
 
     Raises:
-        StripsError: when it is none.
+        StripsError: if it is invalid.
     """
     try:
         pairs = [tuple(map(float, pair.split(":"))) for pair in text.split(",") if pair.strip()]
@@ -218,7 +219,7 @@ def read_planform(text: str) -> list[tuple[float, float]]:
 
 
 def lines(found: Strips) -> list[str]:
-    """The strips and their sum, in words."""
+    """Text summary of the strips and their sum."""
     length, metre = prefixed(found.strips[-1].radius, "m")
     factor, newton = prefixed(max(abs(found.means["force_y"]), abs(found.means["force_z"])), "N")
     power, watt = prefixed(found.means["power"], "W")
@@ -244,5 +245,5 @@ def lines(found: Strips) -> list[str]:
         f"  force along Z         {factor * sums['force_z']:.4g} {newton}",
         f"  mechanical power      {power * sums['power']:.4g} {watt}",
         f"    positive part alone {power * found.power_positive:.4g} {watt}",
-        f"left out: {LEFT_OUT}",
+        f"neglected: {LEFT_OUT}",
     ]

@@ -1,4 +1,4 @@
-"""Run every case of a design that a map file lacks, batch by batch, here or on a cluster."""
+"""Run every missing case of a map, batch by batch, locally or on a cluster."""
 
 import functools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -20,12 +20,12 @@ from . import workers
 from .batch import Batch, batches, compute, whole_work
 
 Progress = Callable[[float, int, float], None]
-"""Called with the cases done, the running ones in part; all cases; and the share of this call's work that is done."""
+"""Callback of (cases done, counting parts of running ones; all cases; fraction of this call's work done)."""
 
 
 @dataclass
 class Tally:
-    """How far a study is: cases done of all, and work done (pair interactions) of what was to do."""
+    """Progress of a study: cases done, and work done (pair interactions)."""
 
     done: int
     cases: int
@@ -34,20 +34,20 @@ class Tally:
     spent: float = 0.0
 
     def tell(self, batch: Batch | None = None, share: float = 0.0) -> None:
-        """Tell how far the study is with a share of a batch."""
+        """Report progress, including a fraction of a batch."""
         cases, work = (share * len(batch.cases), share * batch.work) if batch else (0.0, 0.0)
         if self.told:
             self.told(self.done + cases, self.cases, min((self.spent + work) / self.work, 1.0) if self.work else 1.0)
 
     def add(self, cases: int, work: float) -> None:
-        """Count cases as done, and tell so."""
+        """Count cases as done, and report."""
         self.done, self.spent = self.done + cases, self.spent + work
         self.tell()
 
 
 @dataclass(frozen=True)
 class Spec:
-    """How batches are to be run: what to keep of each case, the threads, and whom to tell the share that is done.
+    """Options for running batches: stored metrics and series, threads, and the progress callback.
 
     Attributes:
         processes: of this machine, among which they are shared out.
@@ -78,19 +78,19 @@ def sweep(
 
     Args:
         case: the base case.
-        vary: for each key its values, or `"a:b:n"`, `"a:b:n:log"`; see `taichiflap.maps.design.design`.
-        output: the map file, or None to keep the map in memory. What a file of the same design holds already is
-            not run again.
-        sample, seed: a sampled design instead of a grid: `"sobol:256"` or `"lhs:300"`.
-        metrics: which metrics to keep; all if empty.
-        keep: `"series"` keeps the time series too.
-        cluster: address of a Dask scheduler, or `"local:N"` for N worker processes here.
-        threads: how many threads to use; all of them if None. It does not change any result.
-        progress: called with the number of cases done, of all cases, and the share of the work that is done.
+        vary: values of each key, or `"a:b:n"`, `"a:b:n:log"`; see `taichiflap.maps.design.design`.
+        output: the map file, or None for a map in memory. Cases that a file of the same design already contains are not
+            run again.
+        sample, seed: sample instead of a grid: `"sobol:256"` or `"lhs:300"`.
+        metrics: metrics to store; all if empty.
+        keep: `"series"` also stores the time series.
+        cluster: address of a Dask scheduler, or `"local:N"` for N local worker processes.
+        threads: number of threads; None for all. It does not affect results.
+        progress: callback of (cases done, all cases, fraction of the work done).
         overwrite: replace an existing file of another design.
 
     Raises:
-        UserError: for a design, a metric, a file or a cluster that cannot be, in one sentence.
+        UserError: for an invalid design, metric, file or cluster; one sentence.
     """
     check_threads(threads)
     extra("xarray", "xarray", "sweep returns an xarray.Dataset, which needs xarray", MapError)
@@ -109,15 +109,15 @@ def prepare(
     keep: str | None = None,
     overwrite: bool = False,
 ) -> Map:
-    """The map to fill: a new one, or the one that an earlier run of the same study began.
+    """The map to fill: a new one, or that of an earlier run of the same study.
 
     Raises:
-        MapError: when the file belongs to another study.
-        QuantityError: for a metric that does not exist.
+        MapError: if the file belongs to another study.
+        QuantityError: for an unknown metric.
     """
     chosen = choose(metrics, list(planned.examples(case)))
     if keep not in (None, "series"):
-        raise MapError(f"--keep {keep}: only series can be kept beside the metrics")
+        raise MapError(f"--keep {keep}: only series can be stored besides the metrics")
     path = None if output is None else Path(output)
     if path is not None and not disk.trouble(path) and path.exists() and not path.is_dir() and not overwrite:
         sheet = maps.open_map(path, write=True)
@@ -136,18 +136,18 @@ def prepare(
 def fill(
     sheet: Map, *, cluster: str | None = None, threads: int | None = None, progress: Progress | None = None
 ) -> None:
-    """Run the cases that a map lacks; each batch is on the disk before the next is waited for.
+    """Run the missing cases of a map. Each batch is written to the disk before the next.
 
     Raises:
-        MapError: when the disk refuses.
-        ClusterError: when the cluster does not answer, or cannot run taichiflap.
+        MapError: if the map cannot be written.
+        ClusterError: if the cluster does not answer, or cannot run taichiflap.
     """
     pending = sheet.pending
     work = whole_work(sheet.case, sheet.design, pending) if progress else 0.0
     tally = Tally(sheet.design.size - len(pending), sheet.design.size, work, progress)
 
     def sound(found: Iterable[Any]) -> Iterator[Batch]:
-        """Batches alone; a case whose values do not go together is recorded as failed on the way."""
+        """Yield valid batches; invalid cases are recorded as failed."""
         for one in found:
             if isinstance(one, Batch):
                 yield one
@@ -197,5 +197,6 @@ def _check_same(sheet: Map, case: Case, planned: Design, metrics: list[str], ser
     found = [name for name, differs in differences.items() if differs]
     if found:
         raise MapError(
-            f"{sheet.path}: holds a study with {', '.join(found)}; name another file with -o, or --overwrite this one"
+            f"{sheet.path}: holds a study with {', '.join(found)}; name another file with -o, or use --overwrite to "
+            "replace it"
         )

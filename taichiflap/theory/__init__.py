@@ -1,8 +1,8 @@
-"""Exact solutions that the models are held against. Each cites its source; none shares code with the models.
+"""Exact solutions with which the models are compared. Each cites its source; none shares code with the models.
 
-A plate of chord c in a stream U. Lengths are in chords, frequencies are `k = omega c / (2 U)`, lift and thrust are
-over `rho U^2 c / 2` and moments over `rho U^2 c^2 / 2`, all a unit span. Harmonic quantities are complex
-amplitudes of `exp(i omega t)`.
+A plate of chord c in a stream U. Lengths are in chords, frequencies are `k = omega c / (2 U)`, lift and thrust are over
+`rho U^2 c / 2` and moments over `rho U^2 c^2 / 2`, all per unit span. Harmonic quantities are complex amplitudes of
+`exp(i omega t)`.
 """
 
 from .classical import (

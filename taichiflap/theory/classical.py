@@ -1,8 +1,8 @@
-"""Exact solutions that the models are held against. Each cites its source; none shares code with the models.
+"""Exact solutions with which the models are compared. Each cites its source; none shares code with the models.
 
-A plate of chord c in a stream U. Lengths are in chords, frequencies are `k = omega c / (2 U)`, lift and thrust are
-over `rho U^2 c / 2` and moments over `rho U^2 c^2 / 2`, all a unit span. Harmonic quantities are complex
-amplitudes of `exp(i omega t)`.
+A plate of chord c in a stream U. Lengths are in chords, frequencies are `k = omega c / (2 U)`, lift and thrust are over
+`rho U^2 c / 2` and moments over `rho U^2 c^2 / 2`, all per unit span. Harmonic quantities are complex amplitudes of
+`exp(i omega t)`.
 """
 
 import math
@@ -18,7 +18,7 @@ from scipy.special import hankel2e
 Array = NDArray[np.float64]
 
 TERMS = 64
-"""Terms of the sine series of a plate's potential: the smooth shapes of a beam need about a dozen."""
+"""Number of terms of the sine series of a plate's potential; smooth beam shapes need about a dozen."""
 
 
 def theodorsen(k: float) -> complex:
@@ -33,10 +33,10 @@ def theodorsen(k: float) -> complex:
 
 
 def wagner(s: float) -> float:
-    """Wagner's function: share of the steady lift at `s = 2 U t / c` half-chords after a sudden start.
+    """Wagner's function: fraction of the steady lift at `s = 2 U t / c` half-chords after a sudden start.
 
     The inverse transform of Theodorsen's function, `2/pi int_0^inf Re C(k) sin(k s)/k dk` (Garrick, NACA Report 629,
-    1938), integrated without its limit of 1/2 at high k.
+    1938), integrated after subtracting its limit of 1/2 at high k.
     """
     if s == 0.0:
         return 0.5
@@ -75,7 +75,7 @@ def oscillating_loads(
 
 
 def mean_power(k: float, plunge: complex = 0.0, pitch: complex = 0.0, axis: float = 0.0) -> float:
-    """Mean power that the motion of `oscillating_loads` takes, over `rho U^3 c / 2`."""
+    """Mean power required by the motion of `oscillating_loads`, over `rho U^3 c / 2`."""
     lift, moment = oscillating_loads(k, plunge, pitch, axis)
     rate = 2j * k
     return -0.5 * (lift * np.conj(rate * plunge) + moment * np.conj(rate * pitch)).real
@@ -86,9 +86,9 @@ def mean_thrust(
 ) -> float:
     """Mean thrust coefficient of the motion of `oscillating_loads`.
 
-    Garrick, NACA Report 567 (1936): the forward lean of the normal force, and the suction at the leading edge
-    `pi rho b S^2` with `S = (2 C(k) Q - b dalpha/dt)/sqrt(2)`, which `suction=False` leaves out, as a sharp leading
-    edge or a lattice without suction does.
+    Garrick, NACA Report 567 (1936): the forward lean of the normal force, and the suction at the leading edge `pi rho b
+    S^2` with `S = (2 C(k) Q - b dalpha/dt)/sqrt(2)`, which is omitted with `suction=False`, as for a sharp leading edge
+    or a lattice without suction.
     """
     lift, _ = oscillating_loads(k, plunge, pitch, axis)
     lean = -0.5 * (lift * np.conj(pitch)).real
@@ -106,14 +106,14 @@ def _wash(k: float, plunge: complex, pitch: complex, axis: float) -> complex:
 def plate_normal_force(alpha: float) -> float:
     """Steady normal force coefficient of a flat plate at `alpha` (rad): `2 pi sin(alpha) cos(alpha)`.
 
-    The circulation `pi c U sin(alpha)` times the tangential speed; the suction, along the chord, is no part of it.
-    Katz & Plotkin, Low-Speed Aerodynamics (2001), section 5.4.
+    The circulation `pi c U sin(alpha)` times the tangential speed; suction acts along the chord and does not
+    contribute. Katz & Plotkin, Low-Speed Aerodynamics (2001), section 5.4.
     """
     return 2.0 * math.pi * math.sin(alpha) * math.cos(alpha)
 
 
 def plate_load_ahead(x: ArrayLike) -> Array:
-    """Share of a flat plate's steady load that lies ahead of `x` chords.
+    """Fraction of a flat plate's steady load ahead of `x` chords.
 
     Integral of `dp ~ sqrt((1 - x)/x)`: `(t + sin t)/pi` with `x = (1 - cos t)/2` (Katz & Plotkin 2001, Eq. 5.72).
     """
@@ -139,7 +139,7 @@ def added_mass(shapes: Sequence[Callable[[Array], Array]]) -> Array:
         shapes: functions of x, chords behind the leading edge.
 
     Returns:
-        Shape (shapes, shapes): fluid's kinetic energy is `rho c^2 v M v / 2` a unit span.
+        Shape (shapes, shapes): the fluid's kinetic energy per unit span is `rho c^2 v M v / 2`.
     """
     points = 8 * TERMS
     angle = (np.arange(points) + 0.5) * math.pi / points
@@ -150,14 +150,14 @@ def added_mass(shapes: Sequence[Callable[[Array], Array]]) -> Array:
 
 
 def wet_frequencies(frequency: ArrayLike, mass: ArrayLike) -> Array:
-    """Natural frequencies of mass-normalised modes once a fluid adds a modal mass.
+    """Natural frequencies of mass-normalised modes with the added modal mass of a fluid.
 
     Args:
         frequency: in vacuo, any unit, shape (modes,).
         mass: added modal mass matrix, shape (modes, modes).
 
     Returns:
-        The frequencies in the same unit, rising.
+        The frequencies in the same unit, in increasing order.
     """
     dry = np.asarray(frequency, dtype=float)
     return np.sqrt(eigvalsh(np.diag(dry**2), np.eye(len(dry)) + np.asarray(mass)))
@@ -177,9 +177,9 @@ def cantilever_roots(count: int) -> Array:
 
 
 def cantilever_frequencies(count: int, chord: float, thickness: float, density: float, youngs_modulus: float) -> Array:
-    """Natural frequencies (Hz) of a uniform plate clamped along one edge that bends like a beam; SI units.
+    """Natural frequencies (Hz) of a uniform plate clamped along one edge, as a beam; SI units.
 
-    `f = beta^2/(2 pi c^2) sqrt(E I/m)` with `I = t^3/12` and `m = rho t` a unit width (Blevins 1979, table 8-1).
+    `f = beta^2/(2 pi c^2) sqrt(E I/m)` with `I = t^3/12` and `m = rho t` per unit width (Blevins 1979, table 8-1).
     """
     stiffness = youngs_modulus * thickness**3 / 12.0
     return cantilever_roots(count) ** 2 / (2.0 * math.pi * chord**2) * math.sqrt(stiffness / (density * thickness))

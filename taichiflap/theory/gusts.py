@@ -1,4 +1,4 @@
-"""Lift of a plate that flies into a gust across the stream, of small velocity: Kuessner's and Sears's functions."""
+"""Lift of a plate in a small gust normal to the stream: Kuessner's and Sears's functions."""
 
 import math
 
@@ -9,16 +9,16 @@ from .classical import theodorsen
 
 
 def sears(k: float) -> complex:
-    """Sears's function `S(k) = C(k) [J0(k) - i J1(k)] + i J1(k)`: lift in a sinusoidal gust over the quasi-steady.
+    """Sears's function `S(k) = C(k) [J0(k) - i J1(k)] + i J1(k)`: lift in a sinusoidal gust over the quasi-steady lift.
 
-    The lift is `2 pi w/U S(k)`, its phase that of the gust at the middle of the chord (Sears, J. Aeronaut. Sci. 8,
+    The lift is `2 pi w/U S(k)`, with the phase of the gust at mid-chord as reference (Sears, J. Aeronaut. Sci. 8,
     1941).
     """
     return theodorsen(k) * complex(jv(0, k), -jv(1, k)) + 1j * float(jv(1, k))
 
 
 def kuessner(s: float) -> float:
-    """Kuessner's function: share of the steady lift `2 pi w/U` at `s = 2 U t/c` after the edge meets a sharp gust.
+    """Kuessner's function: fraction of the steady lift `2 pi w/U` at `s = 2 U t/c` after the edge meets a sharp gust.
 
     The inverse transform of Sears's function about the leading edge, `2/pi int_0^inf Re[S exp(-i k)] sin(k s)/k dk`
     (von Karman & Sears, J. Aeronaut. Sci. 5, 1938).

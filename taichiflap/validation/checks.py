@@ -1,4 +1,4 @@
-"""What a validation is made of: rows that pass or fail, curves that show how errors fall, and marches to get them."""
+"""Building blocks of the validation: rows that pass or fail, error curves, and the runs that produce them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,17 +13,17 @@ from ..march.march import March
 Array = NDArray[np.float64]
 
 BLOCK = 100
-"""Steps between two looks at a march, so that the stored outputs of a batch stay small."""
+"""Number of steps per block, so that the stored outputs of a batch stay small."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One measurement against a reference.
+    """One computed value compared with a reference.
 
     Attributes:
-        setting: what was measured, and at which parameters.
+        setting: the compared value and its parameters.
         measured, expected: the two values, in the same unit.
-        error: how far apart they are, in `unit`.
+        error: their difference, in `unit`.
         tolerance: the largest error that passes.
         unit: `%` of the expected value, `deg`, ...; empty for a plain number.
     """
@@ -48,7 +48,7 @@ class Row:
 
     @classmethod
     def order(cls, setting: str, measured: float, expected: float) -> "Row":
-        """A row for an order of convergence; what it falls short of the expected order is the error."""
+        """A row for an order of convergence; the error is the shortfall from the expected order."""
         return cls(setting, float(measured), expected, max(0.0, expected - float(measured)), 0.2)
 
 
@@ -75,12 +75,12 @@ class Chart:
 
 @dataclass(frozen=True)
 class Check:
-    """One reference: its rows, the figure's charts, and a word on what was compared with what.
+    """One reference solution: its rows, the charts of its figure, and a description of the comparison.
 
     Attributes:
         name: short, for file names and anchors.
         reference: the solution, for a heading.
-        about: settings, source, and what the comparison cannot show.
+        about: settings, source, and limits of the comparison.
     """
 
     name: str
@@ -97,7 +97,8 @@ class Check:
 
 @dataclass(frozen=True)
 class History:
-    """Frames of one case: time steps, forces (step, 4) as `taichiflap.march.state` orders them, modal amplitudes."""
+    """History of one case: time steps, forces (step, 4) in the order of `taichiflap.march.state`, and modal "
+    "amplitudes."""
 
     step: NDArray[np.int64]
     force: Array
@@ -110,8 +111,8 @@ class Grid:
 
     Attributes:
         panels: panels along the chord.
-        kind: what to call it, `cosine` or `uniform`.
-        settings: keys of the case file that make it.
+        kind: its name, `cosine` or `uniform`.
+        settings: its keys in the case file.
     """
 
     panels: int
@@ -123,12 +124,14 @@ class Grid:
 
 
 def accurate(panels: int = 20) -> Grid:
-    """The lattice that a case has by default."""
+    """The default lattice of a case."""
     return Grid(panels, "cosine", ())
 
 
 def papers(panels: int = 50) -> Grid:
-    """The paper's lattice, but for where new vortices stand: its fixed distance is wrong by 16 % on Wagner's start."""
+    """The paper's lattice with the consistent shedding rule; the paper's fixed distance causes an error of 16 % in
+    Wagner's start.
+    """
     settings = "spacing=uniform", "loads=panels", "convection=euler", "core=0.0", "core_growth=0.0"
     return Grid(panels, "uniform", tuple(f"uvlm.{setting}" for setting in settings))
 
@@ -136,7 +139,7 @@ def papers(panels: int = 50) -> Grid:
 def plate(*settings: str, grid: Grid | None = None) -> Case:
     """A rigid plate of unit chord and span in a unit stream of unit density, at rest at no incidence.
 
-    A force is then half its coefficient. The lattice is `accurate()` by default.
+    The force is then half the coefficient. The lattice is `accurate()` by default.
     """
     grid = grid or accurate()
     document = {
@@ -150,12 +153,12 @@ def plate(*settings: str, grid: Grid | None = None) -> Case:
 
 
 def run(cases: Sequence[Case]) -> list[History]:
-    """March cases of one solver side by side and keep their forces and amplitudes."""
+    """March cases with one solver side by side; returns their forces and amplitudes."""
     return follow(March(cases, fluids.load(cases[0].solver)))
 
 
 def follow(march: March) -> list[History]:
-    """March to the end from where a march stands."""
+    """March to the end from the current step."""
     blocks = []
     while not march.done:
         blocks.append([(case["step"], case["force"], case["q"][:, 0]) for case in march.advance(BLOCK)])

@@ -1,4 +1,4 @@
-"""Both models against the exact linear solution of an elastic plate in a stream, and of its flutter."""
+"""Both models compared with the exact linear solution of an elastic plate in a stream, and of its flutter."""
 
 import math
 from collections.abc import Sequence
@@ -42,7 +42,7 @@ POINTS = tuple(
 )  # fmt: skip
 """Twelve of them, all below the onset of flutter."""
 MASS_RATIOS = (0.2, 0.5, 1.0)
-"""Of the rows of flutter."""
+"""Settings of the flutter rows."""
 BEATS = 40
 """Periods of the neutral oscillation that a plate is let go for: all but the mode that flutters dies within half."""
 FLUTTER_STEPS = 200
@@ -74,7 +74,7 @@ def plate(solver: str, mass_ratio: float, speed: float, modes: int, *settings: s
 
 
 def heaving(solver: str, settings: Sequence[Setting] = POINTS, steps: int = STEPS) -> list[Response]:
-    """The plate with three modes that heaves at its leading edge, once it repeats."""
+    """The plate with three modes, heaving at its leading edge, when periodic."""
     cases = []
     for one in settings:
         frequency = one.k / math.pi
@@ -89,7 +89,7 @@ def heaving(solver: str, settings: Sequence[Setting] = POINTS, steps: int = STEP
 
 
 def oscillating_blades(k: float, beats: int = 6) -> Response:
-    """A rigid plate of blade elements that plunges."""
+    """A rigid plunging plate in blade element theory."""
     case = plate(
         "dbet", 1.0, 1.0, 0, f"motion.frequency={k / math.pi}", f"time.periods={max(beats, round(20 * k))}",
         f"time.steps_per_period={STEPS}", f"motion.plunge.amplitude={SMALL}", "motion.plunge.phase_deg=90.0",
@@ -100,7 +100,7 @@ def oscillating_blades(k: float, beats: int = 6) -> Response:
 
 
 def _response(case: Case, history: History) -> Response:
-    """Amplitudes over the last two beats, beside a mean and a drift; the thrust over the last beat."""
+    """Amplitudes over the last two beats, fitted with a mean and a drift; thrust over the last beat."""
     steps = round(case.steps_per_beat)
     last = history.step > case.steps - 2 * steps
     angle = 2.0 * math.pi * history.step[last] / steps
@@ -114,12 +114,12 @@ def _response(case: Case, history: History) -> Response:
 
 
 def exact(setting: Setting) -> theory.plate.Heaving:
-    """The same in theory."""
+    """The same from theory."""
     return theory.ElasticPlate(setting.mass_ratio, setting.speed).heaving(setting.k)
 
 
 def elastic_plate(settings: Sequence[Setting] = POINTS) -> Check:
-    """Tip and lift of heaving plates of many stiffnesses and masses."""
+    """Tip deflection and lift of heaving plates with various stiffnesses and masses."""
     rows, tips, phases = [], [], []
     expected = [exact(setting) for setting in settings]
     numbers = np.arange(1, len(settings) + 1, dtype=float)
@@ -161,7 +161,7 @@ ONSET_TOLERANCE = 2.0
 
 
 def growth(solver: str, mass_ratio: float, *speeds: float) -> Array:
-    """Growth (a radian of the neutral oscillation) of a plate's vibration at some speeds, once let go."""
+    """Growth rate (per radian of the neutral oscillation) of a plate's free vibration at several speeds."""
     _, k = theory.flutter_onset(mass_ratio)
     cases = [
         plate(solver, mass_ratio, speed, 4, f"motion.frequency={k / math.pi}", f"time.periods={BEATS}",
@@ -179,7 +179,7 @@ def growth(solver: str, mass_ratio: float, *speeds: float) -> Array:
 
 
 def onset(solver: str, mass_ratio: float) -> float:
-    """Speed U* at which the vibration neither grows nor dies, between those about the exact one."""
+    """Speed U* of zero growth, interpolated near the exact one."""
     reference, _ = theory.flutter_onset(mass_ratio)
     speeds = reference * np.array([0.96, 1.0, 1.04])
     rates = growth(solver, mass_ratio, *speeds)

@@ -13,13 +13,13 @@ from .checks import Array, Chart, Check, Curve, History, Row, plate, run
 SMALL = 1e-3
 """Velocity of the gust over that of the stream."""
 TRAVEL = 0.02
-"""Chords that the plate travels a step into a sharp-edged gust."""
+"""Chords travelled per step into a sharp-edged gust."""
 HALF_CHORDS = (0.5, 1.0, 1.5, 3.0, 5.0, 10.0, 20.0)
 FREQUENCIES = (0.1, 0.2, 0.5, 1.0, 2.0)
 STEPS = 200
-"""A period, in a sinusoidal gust."""
+"""Steps per period in a sinusoidal gust."""
 AHEAD = 0.5
-"""Chords that a sharp edge stands ahead of the leading edge at first."""
+"""Initial distance of a sharp edge ahead of the leading edge, chords."""
 MODELS = ("dbet", "uvlm")
 PER_CENT = 100.0
 VISCOUS = 0.5, 1.0
@@ -30,7 +30,7 @@ STRIDE = 0.0045
 
 
 def entering(solver: str) -> Case:
-    """The plate that flies into a sharp-edged gust."""
+    """The plate in a sharp-edged gust."""
     steps = round((0.5 * max(HALF_CHORDS) + AHEAD + 0.5) / TRAVEL)
     return plate(
         f"solver={solver}", f"motion.frequency={1.0 / (steps * TRAVEL)}", "time.periods=1",
@@ -40,7 +40,8 @@ def entering(solver: str) -> Case:
 
 
 def entered(solver: str, places: Sequence[float] = HALF_CHORDS) -> Array:
-    """Share of the steady lift at some half-chords after the leading edge has met a sharp-edged gust."""
+    """Fraction of the steady lift at several distances (half-chords) after the leading edge meets a sharp-edged "
+    "gust."""
     history = run([entering(solver)])[0]
     return np.interp(places, 2.0 * (TRAVEL * history.step - AHEAD), history.force[:, NORMAL] / (math.pi * SMALL))
 
@@ -56,13 +57,13 @@ def sinusoidal(solver: str, k: float) -> Case:
 
 
 def response(case: Case, history: History, k: float) -> complex:
-    """Lift over the quasi-steady `2 pi w/U`, its phase that of the gust at the middle of the chord."""
+    """Lift over the quasi-steady `2 pi w/U`, with the phase of the gust at mid-chord as reference."""
     steps = round(case.steps_per_beat)
     last = history.step > case.steps - 2 * steps
     angle = 2.0 * math.pi * history.step[last] / steps
     base = np.stack((np.cos(angle), np.sin(angle), np.ones_like(angle), angle), axis=1)
     cosine, sine = np.linalg.lstsq(base, history.force[last, NORMAL], rcond=None)[0][:2]
-    # The gust is sin(omega t - 2 k x): at the middle of the chord k behind its phase at the leading edge.
+    # The gust is sin(omega t - 2 k x): its phase at mid-chord lags that at the leading edge by k.
     return complex(sine + 1j * cosine) / (math.pi * SMALL) * complex(np.exp(1j * k))
 
 

@@ -1,8 +1,8 @@
-"""The force that the momentum of the flow asks for: a check of the lattice's loads that knows nothing of pressure.
+"""The force from the momentum of the flow: a check of the lattice's loads that is independent of pressure.
 
-In a fluid at rest far away the impulse of all vortices, on a thin wing and in its wake, is
-`I = rho span sum(Gamma (Z, -Y))` and `A = -rho span/2 sum(Gamma (Y^2 + Z^2))` about the origin; what the wing feels is
-`-dI/dt` and `-dA/dt` (Saffman, Vortex Dynamics, 1992, sections 3.2 and 3.5), the suction at its leading edge included.
+In a fluid at rest far away the impulse of all vortices, on a thin wing and in its wake, is `I = rho span sum(Gamma (Z,
+-Y))` and `A = -rho span/2 sum(Gamma (Y^2 + Z^2))` about the origin; the loads on the wing are `-dI/dt` and `-dA/dt`
+(Saffman, Vortex Dynamics, 1992, sections 3.2 and 3.5), including leading-edge suction.
 """
 
 from dataclasses import dataclass
@@ -37,13 +37,13 @@ class Balance:
     load: Array
 
     def means(self, first: int, last: int) -> tuple[Array, Array]:
-        """Mean load from step `first` to `last`, by the change of impulse and by the loads themselves."""
+        """Mean load from step `first` to `last`, from the change of impulse and from the loads."""
         span = self.time[last] - self.time[first]
         by_momentum = (self.impulse[first] - self.impulse[last]) / span
         return by_momentum, np.trapezoid(self.load[first : last + 1], self.time[first : last + 1], axis=0) / span
 
     def error(self, first: int, last: int) -> Array:
-        """Root mean square of the difference of load and `-dI/dt`, over that of the load."""
+        """Root-mean-square difference between load and `-dI/dt`, relative to the load."""
         between = slice(first, last + 1)
         asked = -np.gradient(self.impulse, self.time, axis=0)[between]
         load = self.load[between]
@@ -51,10 +51,10 @@ class Balance:
 
 
 def balance(case: Case) -> Balance:
-    """Run a UVLM case of uniform span, in a fluid at rest, with none of its wake dropped.
+    """Run a UVLM case with uniform span in a fluid at rest, without dropping wake vortices.
 
     Raises:
-        ValueError: when the case's impulse is none of these sums, or its wake does not keep it.
+        ValueError: if these sums do not apply to the case, or its wake does not conserve impulse.
     """
     span, kept = case.wing.span, case.uvlm.wake == "all" or case.uvlm.old_wake == "absorb"
     if isinstance(span, tuple) or any(case.fluid.velocity) or not kept:
@@ -77,7 +77,7 @@ def _impulse(scale: float, march: March) -> tuple[float, float, float]:
 
 
 def _inertial(motion: Array, force: Array) -> Array:
-    """Loads along Y, Z and about the origin, of those in wing axes and about the pivot."""
+    """Loads along Y, Z and about the origin, from those in wing axes and about the pivot."""
     cosine, sine = np.cos(motion[:, PITCH]), np.sin(motion[:, PITCH])
     along_y = force[:, AXIAL] * cosine - force[:, NORMAL] * sine
     along_z = force[:, AXIAL] * sine + force[:, NORMAL] * cosine

@@ -1,4 +1,4 @@
-"""How fast errors fall with the time step, panels, elements and modes."""
+"""Orders of convergence in time step, panels, elements and modes."""
 
 import itertools
 
@@ -70,7 +70,7 @@ def panels() -> Study:
 
 
 def lattice_steps() -> Study:
-    """Steps of the paper's lattice alone, against twice as many."""
+    """Time step of the paper's lattice, compared with twice as many steps."""
     counts = [200, 400, 800]
     cases = [oscillating("plunge", K, papers(12), n, beats=2) for n in (*counts, 2 * counts[-1])]
     found = [loads(case, history).lift for case, history in zip(cases, run(cases), strict=True)]
@@ -85,7 +85,7 @@ def _flap(*settings: str) -> Case:
 
 
 def blade_steps() -> Study:
-    """Steps of a coupled DBET run."""
+    """Time step of a coupled DBET run."""
     counts = [80, 160, 320]
     histories = run([_flap(f"time.steps_per_period={n}") for n in (*counts, 8 * counts[-1])])
     tips = [history.amplitude[:: n // 80, 0] for n, history in zip((*counts, 8 * counts[-1]), histories, strict=True)]

@@ -1,4 +1,4 @@
-"""The lattice against exact theory of a plate that oscillates in a stream: Theodorsen's loads, Garrick's thrust."""
+"""The lattice compared with exact theory of an oscillating plate in a stream: Theodorsen's loads, Garrick's thrust."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from .checks import Array, Chart, Check, Curve, Grid, History, Row, accurate, pa
 STEPS = 200
 BEATS = 4
 SMALL = 1e-4
-"""Amplitude of motions held against linear theory, chords or rad."""
+"""Amplitude of motions compared with linear theory, chords or rad."""
 FREQUENCIES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 HIGH = (1.0, 2.0, 5.0)
 REFINED = (8, 12, 20, 32, 48)
@@ -29,7 +29,7 @@ MOTIONS: dict[str, dict[str, float]] = {
     "pitch about leading edge": {"pitch": -SMALL},
     "pitch about quarter chord": {"pitch": -SMALL, "axis": QUARTER},
 }
-"""Motions by name, as `taichiflap.theory` takes them; the case file's pitch is nose down."""
+"""Motions by name, for `taichiflap.theory`; the case file's pitch is nose down."""
 DRIVES = {
     "plunge": (f"motion.plunge.amplitude={SMALL}", "motion.plunge.phase_deg=90.0"),
     "pitch about leading edge": _PITCH,
@@ -39,14 +39,14 @@ DRIVES = {
         "motion.plunge.phase_deg=-90.0",
     ),
 }
-"""The same motions in the words of the case file, whose pitch axis is the leading edge."""
+"""The same motions as settings of the case file, whose pitch axis is the leading edge."""
 
 
 @dataclass(frozen=True)
 class Loads:
     """Complex amplitudes of the coefficients of lift and of the nose-up moment about the leading edge; mean thrusts.
 
-    `lean` is the thrust of the normal force alone, `thrust` that with the suction at the leading edge.
+    `lean` is the thrust of the normal force alone, `thrust` includes leading-edge suction.
     """
 
     lift: complex
@@ -71,7 +71,7 @@ def oscillating(name: str, k: float, grid: Grid | None = None, steps: int = STEP
 
 
 def loads(case: Case, history: History) -> Loads:
-    """Loads over the last two beats, beside a mean and a drift that the start leaves behind; thrust over the last."""
+    """Loads over the last two beats, fitted with a mean and a drift due to the start; thrust over the last beat."""
     steps = round(case.steps_per_beat)
     last = history.step > case.steps - 2 * steps
     angle = 2.0 * math.pi * history.step[last] / steps
@@ -86,7 +86,7 @@ def loads(case: Case, history: History) -> Loads:
 
 
 def exact(name: str, k: float) -> Loads:
-    """The same in theory."""
+    """The same from theory."""
     motion = MOTIONS[name]
     lift, moment = theory.oscillating_loads(k, **motion)
     axis = motion.get("axis", 0.0)
@@ -95,9 +95,9 @@ def exact(name: str, k: float) -> Loads:
 
 
 def oscillation(frequencies: Sequence[float] = FREQUENCIES, refined: Sequence[int] = REFINED) -> list[Check]:
-    """Lift, moment and thrust of a plunging and pitching plate, of the solver's lattice and of the paper's.
+    """Lift, moment and thrust of a plunging and pitching plate, with the default lattice and with the paper's.
 
-    `refined` are the numbers of panels of the chart that shows how errors at high frequency fall.
+    `refined` are the numbers of panels in the chart of errors at high frequency.
     """
     fine, coarse = (_march(grid, frequencies) for grid in (accurate(), papers()))
     return [_lift(fine, coarse, frequencies, _refinement(refined)), _moment(fine, coarse), _thrust(fine, frequencies)]

@@ -1,4 +1,4 @@
-"""The report of a validation: Markdown, one self-contained HTML page, and a figure a reference."""
+"""The report of a validation: Markdown, one self-contained HTML page, and one figure per reference."""
 
 import base64
 import html
@@ -22,10 +22,10 @@ from .validate import HEADINGS, row_cells, verdict
 TITLE = "Validation against exact solutions"
 MARKDOWN, PAGE = "validation.md", "validation.html"
 COLUMNS, WIDTH, HEIGHT = 2, 8.0, 2.9
-"""Charts abreast, and inches of a figure and of a row of charts."""
+"""Charts per row, and inches of a figure and of a row of charts."""
 RESOLUTION = 150
 DECADES = 3
-"""Logarithmic axes shorter than this are labelled at 1, 2 and 5."""
+"""Logarithmic axes with a smaller range are labelled at 1, 2 and 5."""
 COLOURS = ("#16191d", "#0060a8", "#d55e00", "#008560", "#8a4fbf")
 
 _INK = palette.LIGHT
@@ -60,10 +60,10 @@ _SHEET = (
 
 
 def check_folder(folder: Path, overwrite: bool) -> None:
-    """Make the report's folder, and refuse to write over another report.
+    """Create the report's folder; an existing report is protected.
 
     Raises:
-        OutputError: when the folder cannot be made or holds a report that is not to be replaced.
+        OutputError: if the folder cannot be created or contains a report that may not be replaced.
     """
     files.make_folder(folder)
     for name in (MARKDOWN, PAGE):
@@ -77,7 +77,7 @@ def write(checks: Sequence[Check], folder: Path) -> list[Path]:
         The two pages.
 
     Raises:
-        OutputError: when a file cannot be written.
+        OutputError: if a file cannot be written.
     """
     pictures = {}
     for check in checks:
@@ -130,7 +130,7 @@ def figure(charts: Sequence[Chart]) -> Figure:
 
 
 def markdown(checks: Sequence[Check]) -> str:
-    """The report in Markdown, with links to the figures beside it."""
+    """The report in Markdown, with links to its figures."""
     parts = [f"# {TITLE}", _opening(checks)]
     for check in checks:
         parts += [f"## {check.reference}", check.about, _table(check)]
@@ -156,7 +156,7 @@ def _opening(checks: Sequence[Check]) -> str:
 
 
 def page(checks: Sequence[Check], pictures: dict[str, bytes]) -> str:
-    """The report as one HTML page that holds its figures, given as PNG by the name of the check."""
+    """The report as one HTML page with embedded figures, given as PNG by the name of the check."""
     parts = [f"<h1>{TITLE}</h1>", f"<p>{html.escape(_opening(checks)).replace('`', '')}</p>"]
     for check in checks:
         parts += [f"<h2 id='{check.name}'>{html.escape(check.reference)}</h2>", f"<p>{html.escape(check.about)}</p>"]

@@ -1,4 +1,4 @@
-"""The lattice against Wagner's exact lift of a plate that starts suddenly."""
+"""The lattice compared with Wagner's exact lift of a suddenly started plate."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from .checks import Array, Chart, Check, Curve, Grid, History, Row, accurate, pa
 
 HALF_CHORDS = (1, 2, 5, 10, 20)
 TRAVEL = 0.02
-"""Chords that the plate travels a step, in the rows."""
+"""Chords travelled per step in the rows."""
 PER_CENT = 100.0
 RUNS: tuple[tuple[Grid, float], ...] = (
     (accurate(12), 0.04),
@@ -21,7 +21,7 @@ RUNS: tuple[tuple[Grid, float], ...] = (
     (papers(25), 0.04),
     (papers(50), TRAVEL),
 )
-"""Lattices, and chords a step."""
+"""Lattices, and chords per step."""
 
 
 def wagner(runs: Sequence[tuple[Grid, float]] = RUNS) -> Check:

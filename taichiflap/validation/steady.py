@@ -1,4 +1,6 @@
-"""The lattice against exact theory of steady flow past a plate, flat or bent, and of a plate pushed from rest."""
+"""The lattice compared with exact theory of steady flow past flat and cambered plates, and of a plate accelerated from
+rest.
+"""
 
 import math
 from collections.abc import Sequence
@@ -15,14 +17,14 @@ from .checks import Array, Chart, Check, Curve, Grid, Row, accurate, papers, pla
 
 GRIDS = (accurate(10), accurate(20), accurate(40), papers(12), papers(25), papers(50), papers(100))
 SETTLED = ("motion.frequency=1e-9", "time.periods=1", "time.steps_per_period=4")
-"""Steps of a quarter of 1e9 chords: after one of them the starting vortex is out of reach."""
+"""Chords per step: after one step the starting vortex is far away."""
 LEAST_SHARE = 1e-20
-"""Scale of the mode that holds a bent shape: so small that no force of the fluid moves it."""
+"""Scale of the mode that represents the camber: so small that no fluid force deforms it."""
 PER_CENT = 100.0
 
 
 def steady(grids: Sequence[Grid] = GRIDS, alpha_deg: float = 5.0) -> Check:
-    """Steady normal force of a flat plate, and where along the chord it acts."""
+    """Steady normal force of a flat plate, and its distribution along the chord."""
     exact = theory.plate_normal_force(math.radians(alpha_deg))
     forces, places, curves = [], [], []
     worst: dict[str, list[tuple[int, float]]] = {}
@@ -76,7 +78,7 @@ def _by_kind(errors: dict[str, list[tuple[int, float]]]) -> tuple[Curve, ...]:
 
 
 def camber(grids: Sequence[Grid] = GRIDS, height: float = 0.01, alpha: float = 0.02) -> Check:
-    """Steady lift of a plate that a mode without give holds bent to a parabola."""
+    """Steady lift of a plate with parabolic camber, held by a mode that does not deform."""
     reference = theory.parabolic_camber_lift(alpha, height)
     rows = []
     errors: dict[str, list[tuple[int, float]]] = {}
@@ -115,7 +117,7 @@ def bent_lift(grid: Grid, height: float, alpha: float) -> float:
 
 
 def added_mass(grids: Sequence[Grid] = GRIDS) -> Check:
-    """Force and moment of a plate pushed from rest in still fluid, before it sheds anything to speak of."""
+    """Force and moment of a plate accelerated from rest in still fluid, before it sheds noticeable vorticity."""
     mass = theory.added_mass([np.ones_like, lambda x: x])
     expected = np.array([mass[0, 0], mass[0, 1], mass[0, 1], mass[1, 1]])
     names = ("heave: force", "heave: moment", "pitch: force", "pitch: moment")

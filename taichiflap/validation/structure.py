@@ -1,4 +1,4 @@
-"""Elastic modes, wet frequencies, energy and free vortices against exact solutions."""
+"""Elastic modes, wet frequencies, energy and free vortices compared with exact solutions."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -45,7 +45,7 @@ def hawkmoth(*settings: str) -> Case:
 
 
 def modes() -> Check:
-    """Frequencies, modal constants and normality of the section's modes."""
+    """Frequencies, modal constants and orthonormality of the section's modes."""
     wing = hawkmoth(f"wing.modes={ALL_MODES}").wing
     section = beam.modes(wing)
     exact = theory.cantilever_frequencies(ALL_MODES, CHORD, THICKNESS, DENSITY, YOUNGS_MODULUS)
@@ -83,7 +83,7 @@ def _integral(function: Any) -> float:
 
 
 def wet_frequency(steps: Sequence[int] = (50, 100, 200, 400)) -> Check:
-    """Natural frequency of the elastic plate in still air, of both fluid models, against steps a period."""
+    """Natural frequency of the elastic plate in still air with both fluid models, against steps per period."""
     still = (
         "motion.frequency=80.0", "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0",
         "wing.damping_ratio=0.0", "time.periods=6", "dbet.lift_max=0.0", "dbet.drag_min=0.0", "dbet.drag_max=0.0",
@@ -123,7 +123,7 @@ def wet_frequency(steps: Sequence[int] = (50, 100, 200, 400)) -> Check:
 
 
 def _ring(case: Case) -> float:
-    """Frequency (Hz) of the first mode let go from a small deflection, from its falls through zero."""
+    """Frequency (Hz) of the first mode released from a small deflection, from its zero crossings."""
     march = March([case], fluids.load(case.solver))
     view(march.body.q)[0, 0, 0] = 1e-12
     q = follow(march)[0].amplitude[:, 0]
@@ -133,7 +133,7 @@ def _ring(case: Case) -> float:
 
 
 def energy(steps: Sequence[int] = (100, 200, 400, 800)) -> Check:
-    """Energy that a coupled run leaves unaccounted for."""
+    """Energy residual of a coupled run."""
     rows, curves = [], []
     for solver in ("dbet", "uvlm"):
         left = [PER_CENT * _unaccounted(solver, count) for count in steps]
@@ -173,7 +173,7 @@ def _unaccounted(solver: str, steps: int) -> float:
 
 
 def vortices() -> Check:
-    """Pairs, a square and a cloud of vortices, moved with the solver's sum by a fourth-order rule."""
+    """Pairs, a square and a cloud of vortices, integrated with the solver's velocities by a fourth-order method."""
     dt, steps, distance = 0.005, 400, 0.5
     pair = drift(np.array([[0.0, distance], [0.0, 0.0], [3.0, -3.0]]), dt, steps)
     rows = [

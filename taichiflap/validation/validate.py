@@ -1,4 +1,4 @@
-"""Every reference that the package is held against, in the order of the report, and the table in print."""
+"""All reference solutions in the order of the report, and the printed table."""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -24,7 +24,7 @@ STUDIES: tuple[tuple[str, Study], ...] = (
     ("viscous flow", viscous.checks),
     ("separated flow", lambda: [separated.separated()]),
 )
-"""Studies by the name that a progress line shows."""
+"""Studies by their name in progress lines."""
 
 HEADINGS = ("Setting", "Measured", "Reference", "Error", "Tolerance", "Verdict")
 
@@ -32,11 +32,11 @@ HEADINGS = ("Setting", "Measured", "Reference", "Error", "Tolerance", "Verdict")
 def validate(
     studies: Sequence[tuple[str, Study]] | None = None, progress: Callable[[str], None] | None = None
 ) -> Iterator[Check]:
-    """Run the studies one after the other.
+    """Run the studies one after another.
 
     Args:
         studies: names and functions, all of them by default.
-        progress: called with a line such as `3 of 10: Wagner` before each.
+        progress: callback of a line such as `3 of 10: Wagner` before each study.
     """
     chosen = STUDIES if studies is None else studies
     for number, (name, study) in enumerate(chosen, 1):
@@ -46,7 +46,7 @@ def validate(
 
 
 def table(check: Check) -> list[str]:
-    """The rows of a check as lines of text, under its reference."""
+    """The rows of a check as lines of text, below its reference."""
     cells = [HEADINGS, *(tuple(row_cells(row)) for row in check.rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     lines = ["  ".join(_aligned(line, widths)).rstrip() for line in cells]
@@ -54,7 +54,7 @@ def table(check: Check) -> list[str]:
 
 
 def _aligned(cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
-    """The setting and the verdict to the left, numbers to the right."""
+    """Align the setting and the verdict to the left, numbers to the right."""
     for number, (cell, width) in enumerate(zip(cells, widths, strict=True)):
         yield cell.ljust(width) if number in (0, len(cells) - 1) else cell.rjust(width)
 
@@ -73,7 +73,7 @@ def row_cells(row: Row) -> list[str]:
 
 
 def verdict(checks: Sequence[Check]) -> str:
-    """How many rows passed, in a sentence."""
+    """Number of rows that passed, as a sentence."""
     rows = [row for check in checks for row in check.rows]
     failed = sum(not row.passed for row in rows)
     return f"{len(rows) - failed} of {len(rows)} rows pass" + (f", {failed} fail" if failed else "")

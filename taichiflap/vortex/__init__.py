@@ -1,4 +1,4 @@
-"""Velocities that point vortices induce: the one sum of 1/r, and its multipole expansion."""
+"""Velocities induced by point vortices: the direct sum of 1/r, and its multipole expansion."""
 
 from ..doors import lazy
 

@@ -1,14 +1,15 @@
-"""The velocity of very many vortices: near ones one by one, distant ones by multipoles on a binary tree.
+"""Velocity induced by many vortices: direct sums nearby, multipole expansions on a binary tree at a distance.
 
-The vortices stand in the order of a space-filling curve; a node of the tree is a stretch of it, its children are the
-halves. From outside its circle, of centre c and radius a, a node induces the complex velocity (Greengard & Rokhlin
+The vortices are ordered along a space-filling curve. A node of the tree is a section of the curve; its children are the
+two halves. Outside its circle, with centre c and radius a, a node induces the complex velocity (Greengard & Rokhlin
 1987, J. Comput. Phys. 73, Eq. 2.4)
 
     sum_j Gamma_j / (zeta - zeta_j) = sum_m M_m / (zeta - c)^(m+1),    M_m = sum_j Gamma_j (zeta_j - c)^m,
 
-and stopping at the order p is wrong by at most `sum_j |Gamma_j| (a/d)^p / (d - a)` at a distance d from c. What a core
-takes from a distant vortex is at most `|Gamma| core^2 / r^3`. A node is taken as a whole where both together are
-within its share of the error that is allowed (Barnes & Hut's tree code with a bound in place of an opening angle).
+and the truncation error at order p is at most `sum_j |Gamma_j| (a/d)^p / (d - a)` at a distance d from c. A core
+changes the velocity of a distant vortex by at most `|Gamma| core^2 / r^3`. The expansion of a node is used where both
+errors together are within its share of the allowed error (Barnes & Hut's tree code with an error bound instead of an
+opening angle).
 """
 
 import math
@@ -23,15 +24,15 @@ from .sum import CIRCULATION, CORE2, INV_2PI, Y, Z, induce
 
 ORDER = 12
 LEAF = 32
-"""Vortices in a leaf: fewer cost more in nodes to visit than they save in pairs."""
+"""Number of vortices in a leaf; fewer cost more in visited nodes than they save in pairs."""
 
 C_Y, C_Z, RADIUS, CORES = range(4)
-"""Columns of a node: centre, radius of the circle around its vortices (negative: it has none), largest squared core."""
+"""Columns of a node: centre, radius of the circle around its vortices (negative: empty), largest squared core."""
 
 Tree = ti.types.argpack(
-    count=Ints1,  # vortices of the case; 0: it has no tree now
+    count=Ints1,  # number of vortices of the case; 0: no tree
     leaves=Ints1,  # a power of two; node i has the children 2i and 2i + 1, and the leaves come last
-    limit=Floats1,  # error allowed for a unit of circulation, 1/m
+    limit=Floats1,  # allowed error per unit circulation, 1/m
     order=Ints2,  # (case, rank): places of the vortices, along the curve
     source=Floats3,  # (case, 4, rank): the vortices in that order, see taichiflap.vortex
     node=Floats3,  # (case, node, 4)
@@ -40,7 +41,7 @@ Tree = ti.types.argpack(
 
 
 def allocate(cases: int, vortices: int) -> Any:
-    """Trees for so many vortices in each case, without any as yet."""
+    """Empty trees for given numbers of vortices in each case."""
     leaves = _power_of_two(vortices)
     return Tree(
         count=zeros(ti.i32, cases),
@@ -54,15 +55,15 @@ def allocate(cases: int, vortices: int) -> Any:
 
 
 def _power_of_two(vortices: int) -> int:
-    """Leaves of the tree of so many vortices."""
+    """Number of leaves of a tree with `count` vortices."""
     return 1 << max(0, math.ceil(math.log2(max(1, vortices) / LEAF)))
 
 
 def sort(tree: Any, b: int, vortices: NDArray[np.float64], error: float) -> None:
-    """Put the vortices of case `b`, shape (4 or more, count), in order along the curve.
+    """Sort the vortices of case `b`, shape (4 or more, count), along the curve.
 
     Args:
-        error: largest error of a velocity, m/s; the bound is shared out by the size of the circulations.
+        error: maximum error of a velocity, m/s, divided among vortices by |circulation|.
     """
     count = vortices.shape[1]
     order = np.argsort(_along_curve(vortices[:2]), kind="stable")
@@ -139,7 +140,7 @@ def expand(tree: View, b, i):
 
 @ti.func
 def induce_by_tree(y, z, core2, tree: View, b):
-    """Velocity (m/s) at eight points, as `vortex.induce` of all vortices of the tree within the error allowed."""
+    """Velocity (m/s) at eight points due to all vortices of the tree, within the allowed error."""
     c_y = 0.5 * (y.min() + y.max())
     c_z = 0.5 * (z.min() + z.max())
     away_y = y - c_y
@@ -184,7 +185,7 @@ def induce_by_tree(y, z, core2, tree: View, b):
 
 @ti.func
 def induce_by_moments(y, z, tree: View, b, i):
-    """Velocity at eight distant points from all vortices of node `i` together."""
+    """Velocity at eight distant points from the expansion of node `i`."""
     d_y = y - tree.node[b, i, C_Y]
     d_z = z - tree.node[b, i, C_Z]
     inverse = 1.0 / (d_y * d_y + d_z * d_z)
@@ -203,5 +204,5 @@ def induce_by_moments(y, z, tree: View, b, i):
 
 @ti.func
 def octet_at(x: View, b, axis, first, count):
-    """Eight neighbours of a (case, axis, rank) array, the last repeated where they end."""
+    """Eight consecutive entries of a (case, axis, rank) array; the last is repeated at the end."""
     return Octet([x[b, axis, ti.min(first + lane, count - 1)] for lane in ti.static(range(8))])

@@ -1,9 +1,8 @@
-"""The velocity that point vortices induce: the only place that sums 1/r.
+"""The velocity induced by point vortices: the only module that contains the kernel 1/r.
 
-Eq. 30 of Reade & Jankauski (2020), with a Krasny core: a vortex of circulation G (positive
-counter-clockwise in Y-Z) at distance r moves the fluid at `G r / (2 pi (r^2 + core^2))` across the line that
-joins them. The squared core of a pair is the sum of both vortices' own, the same for both, so that the pair's impulse
-is conserved.
+Eq. 30 of Reade & Jankauski (2020), with a Krasny core: a vortex of circulation G (positive counter-clockwise in Y-Z)
+induces the velocity `G r / (2 pi (r^2 + core^2))` at distance r, normal to the line between both points. The squared
+core of a pair is the sum of both vortices' squared cores, which conserves the pair's impulse.
 """
 
 import math
@@ -19,18 +18,18 @@ Y, Z, CIRCULATION, CORE2 = range(4)
 
 INV_2PI = 1.0 / (2.0 * math.pi)
 TINY, TINY_SINGLE = 1e-300, 1e-30
-"""Squared core of a bare point: a vortex moves itself by 0 * 1e300 = 0 without a branch."""
+"""Squared core of a bare point: avoids 0/0, so that a vortex induces no velocity on itself."""
 
 
 @ti.func
 def octet(x: View, b, axis, first):
-    """Eight neighbours of a (case, axis, index) array, from index `first` on."""
+    """Eight consecutive entries of a (case, axis, index) array, starting at `first`."""
     return Octet([x[b, axis, first + lane] for lane in ti.static(range(8))])
 
 
 @ti.func
 def sixteen(x: View, b, axis, first):
-    """Sixteen neighbours of a (case, axis, index) array in single precision."""
+    """Sixteen consecutive entries of a (case, axis, index) array, in single precision."""
     return Sixteen([x[b, axis, first + lane] for lane in ti.static(range(16))])
 
 
@@ -54,15 +53,15 @@ def normal_velocity(circulation, dy, dz, t_y, t_z):
 
 
 def _sum_over(lanes: Any) -> Any:
-    """The sum for as many points at a time as a vector type has lanes, in its precision."""
+    """The sum for a vector type: one target point per lane, in its precision."""
 
     @ti.func
     def induce(y, z, core2, vortices: View, b, first, last):
         """Velocity (m/s) at points `y`, `z` of squared cores `core2` from vortices `first` to `last - 1` of case `b`.
 
-        `vortices` has shape (case, 4, vortex); `core2` is at least that of a bare point. As many targets at a time as
-        fill the vector unit, without reordering any sum: the result is independent of the machine's vector width, and
-        of the points beside which a point happens to stand.
+        `vortices` has shape (case, 4, vortex); `core2` is at least that of a bare point. Targets are processed in
+        vectors, and no sum is reordered, so that results depend neither on the machine's vector width nor on
+        neighbouring targets.
         """
         u_y = lanes(0.0)
         u_z = lanes(0.0)
@@ -98,13 +97,13 @@ def _induce_everywhere(points: Floats3, velocity: Floats3, vortices: Floats3, la
 def induced_velocity(
     points: ArrayLike, vortices: ArrayLike, core: float = 0.0, threads: int | None = None
 ) -> NDArray[np.float64]:
-    """Velocity that a set of vortices induces at a set of points, by the sum that the solver uses.
+    """Velocity induced by a set of vortices at a set of points, computed by the solver's own sum.
 
     Args:
         points: Y and Z of the points, m, shape (2, ...).
         vortices: Y, Z (m) and circulation (m2/s) of the vortices, shape (3, ...).
-        core: Krasny core radius, m. With 0, a point that coincides with a vortex is not moved by it.
-        threads: how many threads to use; all of them if None. It does not change the result.
+        core: Krasny core radius, m. With 0, a vortex induces no velocity at its own position.
+        threads: number of threads; None for all. It does not affect the result.
 
     Returns:
         Velocity along Y and Z, m/s, in the shape of `points`.

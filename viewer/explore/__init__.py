@@ -1,1 +1,1 @@
-"""A case explored by sliders: every change is computed at once, and wing, wake, charts and numbers follow."""
+"""Interactive exploration of a case: every change of a slider is computed at once and shown."""

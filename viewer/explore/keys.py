@@ -1,4 +1,4 @@
-"""The keys of a case as controls: which there are, what they are called, and how far a slider goes."""
+"""The keys of a case as controls: names, units and ranges of sliders."""
 
 import math
 from collections.abc import Iterator
@@ -17,11 +17,11 @@ FIRST = (
     "motion.plunge.amplitude", "motion.plunge.phase_deg", "motion.pitch.amplitude_deg", "motion.pitch.phase_deg",
     "motion.pitch.mean_deg", "fluid.density",
 )  # fmt: skip
-"""The keys that matter first: they are shown, all others behind a search."""
+"""Keys that are always shown; all others can be searched."""
 HIDDEN = ("title", "output", "motion.start_up", "motion.start_up_periods", "time.duration", "time.step")
-"""Not for exploring, or none that goes with the others."""
+"""Keys that are not offered."""
 REACH = 4.0
-"""A slider goes from a value's share to its multiple by so much."""
+"""Factor between a value and the ends of its slider."""
 STEPS = 100
 
 
@@ -33,10 +33,10 @@ class Control:
         key: its dotted name.
         kind: `NUMBER`, `WHOLE`, `CHOICE` or `SWITCH`.
         value: in the case, SI units.
-        low, high: what the case file allows.
-        options: of a choice.
-        unit: in which it is shown, and `factor` that leads from SI to it.
-        text: what it means.
+        low, high: allowed range.
+        options: options of a choice.
+        unit: display unit; `factor` converts from SI to it.
+        text: its description.
     """
 
     key: str
@@ -57,15 +57,15 @@ class Control:
         return f"{section} {name}".strip().capitalize() + (f", {self.unit}" if self.unit else "")
 
     def shown(self, value: Any) -> Any:
-        """A value of the case as the control shows it."""
+        """Convert a value of the case to the control's."""
         return value * self.factor if self.kind == NUMBER else value
 
     def meant(self, value: Any) -> Any:
-        """What the control shows as a value of the case: of round numbers, not of their round-off."""
+        """Convert the control's value to the case's, without round-off."""
         return float(f"{value / self.factor:.12g}") if self.kind == NUMBER else value
 
     def slider(self) -> tuple[float, float, float]:
-        """Least and greatest value and step of its slider, as shown."""
+        """Minimum, maximum and step of its slider, as displayed."""
         low, high = self._span()
         if self.kind == WHOLE:
             return int(max(low, self.low)), int(min(high, self.high)), 1
@@ -83,7 +83,7 @@ class Control:
 
 
 def controls(case: Case) -> list[Control]:
-    """Every key of a case that holds a plain number, a choice or a switch: those of `FIRST` first."""
+    """All keys of a case with a plain number, a choice or a switch; those of `FIRST` come first."""
     solvers = tuple(dict.fromkeys((*MODELS, case.solver)))
     found = [Control("solver", CHOICE, case.solver, options=solvers, text="the model of the fluid")]
     for name in ("wing", "motion", "fluid", "time", case.solver):
@@ -95,7 +95,7 @@ def controls(case: Case) -> list[Control]:
 
 
 def value_of(case: Case, key: str) -> Any:
-    """The value of a dotted key; None where the case has none."""
+    """Value of a dotted key; None if absent."""
     found: Any = case
     for name in key.split("."):
         found = getattr(found, name, None)

@@ -81,7 +81,7 @@ class ExploreSession(Session):
         return Charts(self.client.gui, self.panel.chart_tab, [self.run, self.pinned], playback, modes=False)
 
     def _caption(self) -> str:
-        return '<div style="font-size:11px;padding:2px 4px">Blue: as it is now. Orange: as pinned.</div>'
+        return '<div style="font-size:11px;padding:2px 4px">Blue: current case. Orange: pinned case.</div>'
 
     def _set_up(self) -> tuple[Stage, list[Actor]]:
         scene, ranges = self.client.scene, common_ranges([self.run])
@@ -120,7 +120,7 @@ class ExploreSession(Session):
         with gui.add_folder("Case", order=-7.0):
             for control in controls(self.case):
                 self._add_control(control, visible=control.key in FIRST)
-            self._search = gui.add_text("Search", "", hint="shows other keys by their name or meaning")
+            self._search = gui.add_text("Search", "", hint="search other keys by name or description")
             self._search.on_update(lambda _: self._find(self._search.value))
         with gui.add_folder("Keep", order=-6.0):
             preset = gui.add_dropdown("Case", (NO_PRESET, *names()), initial_value=NO_PRESET)
@@ -189,7 +189,7 @@ class ExploreSession(Session):
         try:
             self._wishes[self._worker.ask(self._place, case)] = case, what
         except OSError:
-            self._message.content = notice("The solver has stopped: start explore again.")
+            self._message.content = notice("The solver process has ended; restart explore.")
 
     def _undo(self) -> None:
         if self._past:

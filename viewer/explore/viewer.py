@@ -17,9 +17,6 @@ from ..server import Server, ViewError, announce
 from .session import ExploreSession, brief
 from .worker import Worker
 
-FIRST_SECONDS = 300.0
-"""The first run compiles what it needs."""
-
 
 class Explorer(Server):
     """Serves one case to any number of browsers, each of which changes its own copy.
@@ -74,7 +71,7 @@ class Explorer(Server):
         self.worker.ask(place, self.case)
         while not there.wait(0.2):
             if not self.worker.alive:
-                raise ViewError("the process that computes has ended; taichiflap simulate shows why")
+                raise ViewError("the solver process has ended; run taichiflap simulate to see why")
         self.worker.release(place)
         path, reason = found[0]
         if path is None:
@@ -103,7 +100,7 @@ def explore(
     port: int = 8080, browser: bool = True, token: bool = True,
 ) -> None:  # pragma: no cover # fmt: skip
     """Explore a case in the browser until interrupted."""
-    print("computing the case as it is", file=sys.stderr)
+    print("computing the initial case", file=sys.stderr)
     explorer = Explorer(path, settings, threads, host, port, token)
     try:
         announce(explorer, port)

@@ -1,7 +1,7 @@
-"""The process that computes what browsers explore: Taichi holds Python's lock for long, and would hold up every page.
+"""The solver process of `explore`, since Taichi holds Python's lock for long and would block every page.
 
-Every browser has at most one wish; a newer one takes the place of the older. A run that is no longer wanted is given
-up, unless it is done soon: who drags a slider would see nothing before letting go.
+Every browser has at most one request; a newer one replaces it. An outdated run is cancelled unless it is nearly done,
+so that results appear while a slider is dragged.
 """
 
 import contextlib
@@ -20,7 +20,7 @@ from taichiflap.case.case import Case, parse_case
 from taichiflap.errors import UserError
 
 PATIENCE = 0.5
-"""Seconds that a run may still take when it is no longer wanted."""
+"""Maximum remaining time, s, of an outdated run that is completed."""
 PLACES = 64
 SHARED_MEMORY = Path("/dev/shm")
 
@@ -30,15 +30,15 @@ and the seconds that it took."""
 
 
 class _GivenUp(Exception):
-    """The run is no longer wanted."""
+    """Raised if a run is outdated."""
 
 
 class Worker:
-    """Computes cases in a process of its own, for many browsers in turn.
+    """Computes cases in a separate process, for many browsers in turn.
 
     Args:
-        case: what is computed once beforehand, so that the first wish does not wait for the compiler.
-        threads: how many threads to use; all if None.
+        case: computed once at the start, so that the first request does not wait for the compiler.
+        threads: number of threads; None for all.
     """
 
     def __init__(self, case: Case, threads: int | None = None) -> None:
@@ -61,24 +61,24 @@ class Worker:
         self._listener.start()
 
     def enlist(self, answer: Answer) -> int:
-        """A place for one more browser."""
+        """Register a browser."""
         with self._lock:
             place = self._free.pop(0)
             self._answers[place] = answer
             return place
 
     def release(self, place: int) -> None:
-        """Forget a browser that has left."""
+        """Unregister a browser."""
         with self._lock:
             self._answers.pop(place, None)
             self._free.append(place)
             self._wanted[place] = next(self._numbers)
 
     def ask(self, place: int, case: Case) -> int:
-        """Have a case computed instead of what this browser asked for before; the number of the wish.
+        """Request a case, which replaces the browser's previous request; returns the number of the request.
 
         Raises:
-            OSError: when the process is gone.
+            OSError: if the process has ended.
         """
         with self._lock:
             number = next(self._numbers)
@@ -88,7 +88,7 @@ class Worker:
 
     @property
     def alive(self) -> bool:
-        """Whether the process is there."""
+        """Whether the process is running."""
         return self._process.is_alive()
 
     def close(self) -> None:
@@ -118,7 +118,7 @@ class Worker:
 
 
 def _work(pipe: Any, wanted: Any, folder: str, threads: int | None, first: dict[str, Any]) -> None:
-    """What the process does."""
+    """Main function of the process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # The pages go first.
     os.nice(5)
@@ -132,7 +132,7 @@ def _work(pipe: Any, wanted: Any, folder: str, threads: int | None, first: dict[
         try:
             while not wishes or pipe.poll():
                 place, number, document = pipe.recv()
-                # A newer wish keeps the turn of the older.
+                # A newer request keeps the turn of the older one.
                 wishes[place] = number, document
         except EOFError:
             return
@@ -143,7 +143,7 @@ def _work(pipe: Any, wanted: Any, folder: str, threads: int | None, first: dict[
 
 
 class _Wish:
-    """Whether what is computed is still wanted."""
+    """Whether the current run is still requested."""
 
     def __init__(self, wanted: Any, place: int, number: int) -> None:
         self._wanted, self._place, self._number = wanted, place, number

@@ -1,4 +1,4 @@
-"""What of a map a browser shows, and which case lies where. No browser in here, only arithmetic.
+"""Content of a map's picture in a browser, and the positions of its cases. Independent of the browser itself.
 
 Every combination of two keys is a cell of a heat map; anything else over anything else, such as lift over power, is a
 point for every case.

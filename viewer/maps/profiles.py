@@ -1,4 +1,4 @@
-"""A map's metric through one case along either key, as two charts beside the map."""
+"""A map's metric along either key through one case, as two charts next to the map."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from ..colours import RUNS
 from .picture import Array, Profile
 
 WIDTH = 290
-HINT = "Point at a cell of the map: the metric through it, along either key."
+HINT = "Point at a cell to plot the metric along either key."
 
 
 class Profiles:

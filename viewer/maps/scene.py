@@ -1,4 +1,4 @@
-"""The picture of a map, drawn: its cases, its front, its edges; and which place of it a click hits."""
+"""Drawing of a map: its cases, front and axes; and the position of clicks."""
 
 from typing import Any
 

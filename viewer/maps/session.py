@@ -1,4 +1,6 @@
-"""A map in the browser: a metric over two keys, or one over another; a click on a case opens it, or runs it first."""
+"""A map in the browser: a metric over two keys or over another metric; a click opens a case, which is run first if
+necessary.
+"""
 
 import contextlib
 import threading
@@ -35,10 +37,10 @@ PANEL_WIDTH = 320
 COMMAND = ["taichiflap", "simulate", "case.toml"]
 """What computes a case of a map anew, once it is saved."""
 BACK = "Back to the map"
-FRONT = "Line: cases that no other beats in both lift and power."
+FRONT = "Line: Pareto front of lift and power."
 NOTHING = "Grey: a case without this metric."
-DOUBTFUL = f"Hatched grey: the model does not hold (tip beyond {BROKEN:g} chord, or forces of no flow)."
-HATCHED = f"Hatched: the tip bends by more than {BENT:g} chords."
+DOUBTFUL = f"Hatched grey: the model is invalid (tip deflection above {BROKEN:g} chord, or unphysical forces)."
+HATCHED = f"Hatched: tip deflection above {BENT:g} chords."
 
 OpenCase = Callable[[int, Callable[[int, int], None]], Run]
 
@@ -95,7 +97,7 @@ class MapSession:
         try:
             deed(*arguments)
         except (UserError, *UNREADABLE) as error:
-            self.warn(str(error) if isinstance(error, UserError) else f"{self.path}: cannot be read any more: {error}")
+            self.warn(str(error) if isinstance(error, UserError) else f"{self.path}: can no longer be read: {error}")
 
     def _open(self) -> Map:
         """The map.
@@ -106,7 +108,7 @@ class MapSession:
         sheet = open_map(self.path)
         if _identity(sheet) != self._is_of:
             sheet.close()
-            raise MapError(f"{self.path.name} is another map now: reload this page to see it.")
+            raise MapError(f"{self.path.name} has been replaced by another map; reload this page to see it.")
         return sheet
 
     def _show_map(self) -> None:
@@ -322,16 +324,16 @@ def _words(sheet: Map, number: int, metric: str, shown: picture.Picture) -> list
     outcome = sheet.outcomes([number])[0]
     lines = [f"case {number}", *(f"{key} = {short(value)}" for key, value in sheet.design.point(number).items())]
     if outcome is None:
-        return [*lines, "not run by the study yet"]
+        return [*lines, "not run yet"]
     if outcome.reason:
         return [*lines, outcome.reason]
     title, _, unit = named(metric, sheet).partition(" (")
     lines.append(f"{title} = {factor_of(sheet, metric) * outcome.metrics[metric]:.4g} {unit.rstrip(')')}")
     place = np.nonzero(shown.numbers == number)
     if shown.broken[place].any():
-        lines.append("the model does not hold")
+        lines.append("the model is invalid")
     elif shown.bent[place].any():
-        lines.append(f"the tip bends by more than {BENT:g} chords")
+        lines.append(f"tip deflection above {BENT:g} chords")
     return lines
 
 

@@ -1,4 +1,4 @@
-"""Round numbers along an edge of a map's picture, and where they stand."""
+"""Ticks along an axis of a map: round numbers and their positions."""
 
 from dataclasses import dataclass
 

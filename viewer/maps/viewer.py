@@ -1,4 +1,4 @@
-"""The viewer of maps: serves one to many browsers, and runs the cases that they click on."""
+"""The viewer of maps: serves a map to many browsers, and runs selected cases."""
 
 import hashlib
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from .scene import BOX
 from .session import MapSession
 
 LOOK_SECONDS = 1.0
-"""How often the file is looked at."""
+"""Interval between checks of the file, s."""
 
 
 class MapViewer(Server):
@@ -31,11 +31,11 @@ class MapViewer(Server):
         path: the map file, complete or still being filled.
         host: the address to listen at; the default is this machine only.
         port: the port to listen at, or the first free one above it.
-        token: whether the address holds a token, without which nobody comes in.
+        token: whether the address contains a token that is required for access.
 
     Raises:
-        ViewError: when there is no such port or address.
-        MapError: when the file cannot be read.
+        ViewError: if the port or address is not available.
+        MapError: if the file cannot be read.
     """
 
     def __init__(
@@ -44,14 +44,14 @@ class MapViewer(Server):
         self.path, self.trust = Path(path), trust
         open_map(self.path).close()
         super().__init__(host, port, token)
-        # Taichi wants one thread of its own for all that it does: the runs, and the flow around them.
+        # Taichi needs one dedicated thread, for runs and for the flow around them.
         self.worker = ThreadPoolExecutor(1, thread_name_prefix="cases")
         self._explorer: Worker | None = None
         camera.start(self.server, BOX)
         self.serve(self._connect, self._disconnect, self._follow)
 
     def stop(self) -> None:
-        """Stop serving, once the case that is running is done."""
+        """Stop serving after the current case."""
         super().stop()
         for session in self.sessions:
             session.close()
@@ -60,17 +60,17 @@ class MapViewer(Server):
             self._explorer.close()
 
     def explorer(self, case: Case) -> Worker:
-        """The process that computes what is explored from a case of the map; begun with the first."""
+        """The solver process for exploring cases of the map; started with the first."""
         with self._lock:
             if self._explorer is None or not self._explorer.alive:
                 self._explorer = Worker(case)
             return self._explorer
 
     def run(self, number: int, progress: Callable[[int, int], None]) -> Run:
-        """Case `number` of the map, from a file in a folder beside it; computed first if it is not there.
+        """Case `number` of the map, from a file in a folder next to it; computed first if necessary.
 
         Raises:
-            UserError: when its values do not go together, it would run code from elsewhere, or the disk refuses.
+            UserError: if the case is invalid, needs an untrusted module, or cannot be written.
         """
         with open_map(self.path) as sheet:
             case = sheet.design.case(sheet.case, number)
@@ -89,7 +89,7 @@ class MapViewer(Server):
         return Run(result, f"case {number}")
 
     def _follow(self) -> None:
-        """Tell the browsers when the map is gone, or cannot be read, twice running: a study may be writing it."""
+        """Inform browsers if the map is missing or unreadable twice in a row, since a study may be writing it."""
         watch, before = Watch(self.path, fixed=False), ""
         while not self._stop.wait(LOOK_SECONDS):
             trouble = watch.look() or self._read_error()

@@ -1,4 +1,4 @@
-"""Deformable blade element theory: separated, attached and accelerated flow past every chordwise element."""
+"""Deformable blade element theory: separated flow, attached flow and added mass of every chordwise element."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,7 +11,7 @@ from ...structure.beam import Modes
 from ..interface import Array, Flow, Model, Refinement, standard
 
 TIMES = 512
-"""Moments of the last beat at which the speed is looked at."""
+"""Number of times of the last beat at which the speed is sampled."""
 
 
 class Dbet(Model):
@@ -36,13 +36,15 @@ class Dbet(Model):
         there = ", ".join(name for name, stated in new.items() if stated)
         if dbet.speed == "truncated" and there:
             found.append(
-                f'dbet.speed = "truncated" is the paper\'s and does not go with {there}; give dbet.speed = "full", or '
+                f'dbet.speed = "truncated" is the paper\'s and cannot be combined with {there}; give dbet.speed = '
+                '"full", or '
                 'frame = "chord", added_mass = "strip", attached = false, rotation = 0.0 and no gust'
             )
         if dbet.attached and case.wing.modes and (dbet.frame != "deformed" or dbet.added_mass != "potential"):
             found.append(
-                f'dbet.attached = true on a bending wing does not go with frame = "{dbet.frame}" and added_mass = '
-                f'"{dbet.added_mass}": the wing would flutter at the wrong speed or never; give frame = "deformed" and '
+                f'dbet.attached = true on a flexible wing cannot be combined with frame = "{dbet.frame}" and '
+                "added_mass = "
+                f'"{dbet.added_mass}": the flutter speed would be wrong; give frame = "deformed" and '
                 'added_mass = "potential", or attached = false'
             )
         return found
@@ -59,8 +61,8 @@ class Dbet(Model):
         if low <= reynolds <= high:
             return []
         return [
-            f'dbet.coefficients = "{case.dbet.coefficients}" is good for Reynolds numbers of {low:g} to {high:g} '
-            f"({polar.source}); here it is {reynolds:.2g}: choose another set, or give lift_max, drag_min and drag_max"
+            f'dbet.coefficients = "{case.dbet.coefficients}" is valid for Reynolds numbers of {low:g} to {high:g} '
+            f"({polar.source}); here it is {reynolds:.2g}; choose another set, or give lift_max, drag_min and drag_max"
         ]
 
     def settings(self, case: Case) -> list[str]:

@@ -1,4 +1,4 @@
-"""Added mass of potential flow about the chord, for motions of any shape.
+"""Added mass of potential flow about the chord, for any normal velocity along it.
 
 A flux v(y) through the chord gives the jump of potential `-2 b sum_m S_m[v]/m sin(m theta)` with the sine coefficients
 `S_m[v] = 2/pi int_0^pi v sin(theta) sin(m theta) dtheta` (Lamb, Hydrodynamics, 1932, art. 71; b = c/2), and the rate of
@@ -6,9 +6,9 @@ the flux, taken at fixed points of the wing, the load
 
     dF = -rho pi b^2 sum_m S_m[h^1/2 v'] S_m[h^1/2 ...]/m
 
-of a wing of span h(y): a symmetric form, so that no cycle of motion makes energy. Taken in the wing's axes, which the
-jump of potential turns with, it is exact at any amplitude; the paper's strips take the inertial acceleration (Eqs
-25-27), which makes energy out of nothing when the wing pitches as it heaves.
+of a wing of span h(y): a symmetric form, so that energy is conserved over a cycle of motion. In the wing's rotating
+axes it is exact at any amplitude. The paper's strips use the inertial acceleration (Eqs 25-27), which does not conserve
+energy when the wing pitches and heaves.
 """
 
 import functools
@@ -36,7 +36,7 @@ from .elements import (
 )
 
 TERMS = 12
-"""Terms of the series: five digits for four modes of a beam."""
+"""Number of terms of the series, which gives five digits for four modes of a beam."""
 
 
 @functools.lru_cache(maxsize=16)
@@ -49,7 +49,9 @@ def sines(count: int) -> np.ndarray:
 
 
 def table(case: Case) -> np.ndarray:
-    """The sines weighted by `sqrt(pi b^2 h/m)`: kinetic energy of the fluid is `rho/2 sum_m (table_m . v)^2`."""
+    """The sine coefficients weighted by `sqrt(pi b^2 h/m)`: kinetic energy of the fluid is `rho/2 sum_m (table_m .
+    v)^2`.
+    """
     order = np.arange(1, TERMS + 1)[:, None]
     return sines(case.dbet.elements) * np.sqrt(np.pi * (case.wing.chord / 2.0) ** 2 / order * elements.spans(case))
 

@@ -1,17 +1,17 @@
-"""Attached flow: unsteady thin-aerofoil theory on the bent section, with the memory of its wake.
+"""Attached flow: unsteady thin-aerofoil theory on the bent section, including the wake's memory.
 
 A velocity v(y) along the normal of the section, `v = v_0 + sum_m v_m cos(m theta)`, has the steady load (Glauert 1926)
 
     K v = 2/pi [v_0 L - sum_m v_m T_m],    L = (theta + sin theta)',  T_m = (int sin(m theta) sin(theta) dtheta)',
 
-in means over the elements, normalised so that the mean of K 1 is one. The wake reaches back through the value w of v at
-three quarters of the chord (of any shape: the mean of v weighted by the load of a plate, mirrored): what the load of a
-plate lags behind is `-sum_m X_m`, with
+in means over the elements, normalised so that the mean of K 1 is one. The wake acts through the value w of v at three
+quarters of the chord (for any camber: the mean of v weighted by the mirrored load of a plate). The deficiency of the
+plate's load is `-sum_m X_m`, with
 
     X_m <- X_m exp(-B_m s) + A_m exp(-B_m s/2) (w - w_before),    s = 2 U dt/c,
 
 which is Wagner's function as a sum of four exponentials. The force per area along -n is `pi rho |u_t| (K v - g sum X)`,
-g = K 1; the leading edge draws forward with `pi rho (v_0 - sum X)^2` per area (von Karman & Burgers 1935).
+g = K 1; the leading-edge suction is `pi rho (v_0 - sum X)^2` per area (von Karman & Burgers 1935).
 """
 
 import functools
@@ -27,8 +27,9 @@ from .elements import SCRATCH, STRETCH, U_N, W_RATE, superpose_octet, transform
 
 LAG_AMPLITUDE = 0.026452, 0.134339, 0.259403, 0.079806
 LAG_EXPONENT = 0.008958, 0.062834, 0.219862, 0.719731
-"""A_m and B_m, fitted to Wagner's function: within 6e-4 of it, and C(k) within 2.1e-3 of Theodorsen's. Half of the load
-comes at once: the A_m add up to 1/2."""
+"""A_m and B_m, fitted to Wagner's function: the error is below 6e-4, and below 2.1e-3 in Theodorsen's C(k). Half of the
+load is immediate: the A_m add up to 1/2.
+"""
 
 WASH_BEFORE, SEPARATED, ADVANCE = range(4, 7)
 """Columns of `lag` after the four states X_m: w one step earlier, the share of separated flow, and s."""
@@ -59,9 +60,9 @@ def plate_load(count: int) -> np.ndarray:
 
 @ti.func
 def separate(flow: View, b, mean_n, mean_t):
-    """Share of separated flow, from the angle of the chord's mean velocity: smooth between the two angles of stall.
+    """Fraction of separated flow from the mean angle of attack, with a smooth transition between the two stall angles.
 
-    With the trailing edge first all flow is separated.
+    Flow from the trailing edge is fully separated.
     """
     speed = ti.sqrt(mean_n * mean_n + mean_t * mean_t + TINY)
     angle = ti.asin(ti.min(ti.abs(mean_n) / speed, 1.0))
@@ -75,7 +76,7 @@ def separate(flow: View, b, mean_n, mean_t):
 
 @ti.func
 def lag(flow: View, b):
-    """The deficiency `-sum X_m` is `(lambda - 1) w + kappa` of the coming w: lambda and kappa."""
+    """lambda and kappa, which give the next deficiency `-sum X_m = (lambda - 1) w + kappa`."""
     kept, known = 1.0, 0.0
     for m in ti.static(range(4)):
         whole = ti.exp(-LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
@@ -87,7 +88,7 @@ def lag(flow: View, b):
 
 @ti.func
 def remember(flow: View, b, wash):
-    """Take the lag's states on to the step's w."""
+    """Advance the lag states to the step's w."""
     for m in ti.static(range(4)):
         whole = ti.exp(-LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
         half = LAG_AMPLITUDE[m] * ti.exp(-0.5 * LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
@@ -99,7 +100,7 @@ def remember(flow: View, b, wash):
 def lift(body: View, flow: View, b, rule, used: View):
     """Cosine coefficients of v without modal acceleration (column 0) and for a unit acceleration of every mode.
 
-    The zeroth holds the deficiency too: it then is the velocity around the leading edge.
+    The zeroth includes the deficiency; it is then the velocity around the leading edge.
     """
     kept, remembered = lag(flow, b)
     modes = modes_of(body, b, used.modes)

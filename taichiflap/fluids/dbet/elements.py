@@ -1,4 +1,4 @@
-"""The blade elements: where they are, what is kept of each, and sums over them."""
+"""The blade elements: their positions, the rows of their arrays, and sums over them."""
 
 import numpy as np
 
@@ -7,22 +7,24 @@ from ...kernels.runtime import Octet, View, ti
 from ...structure.chordwise import Profile
 
 POSITION, AREA, SHARE, R_Z, E_Y, W_RATE, LEAN, STRETCH, U_N, U_T = range(10)
-"""First rows of the elements: distance behind the pivot, area, and one over their number (none where a batch pads);
-rigid part of u_z and the rest of u_y but for the pivot's; expected elastic part of u_z; slope s of the bent wing, and
-`1/sqrt(1 + s^2)`; expected velocities along its normal and tangent."""
+"""First rows of the elements: distance behind the pivot, area, and one over their number (0 in the padding of a batch);
+rigid part of u_z, and u_y without the pivot's part; predicted elastic part of u_z; slope s of the bent wing, and
+`1/sqrt(1 + s^2)`; predicted velocities along its normal and tangent."""
 TRACTION, SLOPE, SHEARING, FLUX_RATE, LIFTED, PRESSURE, SHEAR, SCRATCH = range(10, 18)
-"""And on: with the expected rates the force per area along -n, its derivative by the elastic rate, and the force along
--t; of strips the acceleration of Eq. 7 without the modal part; force per area of attached flow on a unit K v; the force
-per area along e_z and e_y; and what a transform is taken of."""
+"""Next rows: at the predicted rates the force per area along -n, its derivative by the elastic rate, and the force
+along -t; acceleration of Eq. 7 without the modal part, for strips; force per area of attached flow per unit K v; force
+per area along e_z and e_y; and scratch for the transforms.
+"""
 WING_Y, GUST, GUST_BEFORE, GUST_BEFORE_THAT = range(18, 22)
-"""And the velocity along e_y of the wing alone, without a gust; and the gust's flux through the wing, now and at the
-two steps before."""
+"""Last rows: velocity along e_y without the gust; and the gust's flux through the wing, now and at the two previous
+steps.
+"""
 ROWS = 22
 ABREAST = 7
-"""Terms that a transform sums at once: sums that do not wait for each other."""
+"""Number of independent sums that a transform takes at once."""
 
 HALF_DENSITY, STRIP, LIFT_MAX, DRAG_MIN, DRAG_MAX, ROTATION, SUCTION, STALL, STALLED, FRICTION, CHORD = range(11)
-"""Settings: rho/2; `pi rho c/4` per area of strips, 0 without; coefficients; `pi/4 rho c` times the factor of rotation;
+"""Settings: rho/2; `pi rho c/4` per area for strips, else 0; coefficients; `pi/4 rho c` times the factor of rotation;
 `pi rho` times the suction's share and the wing's area; angles (rad); `1.328 rho sqrt(nu/c)`; chord (m)."""
 
 TRUNCATED, DEFORMED, POTENTIAL, ATTACHED = range(4)
@@ -30,7 +32,7 @@ TRUNCATED, DEFORMED, POTENTIAL, ATTACHED = range(4)
 
 
 def middles(case: Case) -> np.ndarray:
-    """Positions of the middles of the elements along the chord, from the pivot, m."""
+    """Midpoints of the elements along the chord, from the pivot, m."""
     count = case.dbet.elements
     return case.wing.chord * (np.arange(count) + 0.5) / count - case.wing.pivot * case.wing.chord
 

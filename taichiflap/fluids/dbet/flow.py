@@ -1,13 +1,13 @@
-"""Deformable blade elements: separated, attached and accelerated flow past every element, blended and summed.
+"""Deformable blade elements: separated flow, attached flow and added mass of every element, blended and summed.
 
-Reade & Jankauski (2020), Eqs 17-27, is one setting of it; docs/theory/dbet.md derives the rest. The force per area
-along the normal n of the section is
+Reade & Jankauski (2020), Eqs 17-27, is one choice of settings; docs/theory/dbet.md derives the model. The force per
+area along the normal n of the section is
 
     p = -[sigma (f_n + f_rot) + (1 - sigma) pi rho |u_t| (K u_n + g D)] + p_added,
 
 and along its tangent t `-f`; on the area `span dy` of an element they give `F_z = p - s f` and `F_y = -s p - f`, s the
-slope of the bent wing. All of p is linear in the modal rates and accelerations once geometry, sigma and f are taken at
-the expected ones.
+slope of the bent wing. p is linear in the modal rates and accelerations, since geometry, sigma and f are evaluated at
+the predicted rates.
 """
 
 import math
@@ -84,14 +84,16 @@ class Uses(NamedTuple):
 
 
 def extends(case: Case) -> bool:
-    """Whether a case needs more than the paper's model; a kernel of which no case does holds that alone."""
+    """Whether a case needs more than the paper's model. If no case of a batch does, the kernel contains only that
+    model.
+    """
     dbet = case.dbet
     gusty = case.fluid.gust != "none"
     return dbet.frame == "deformed" or dbet.added_mass == "potential" or dbet.attached or dbet.rotation > 0.0 or gusty
 
 
 def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
-    """The elements of a batch, at rest."""
+    """Elements of a batch at rest."""
     count = len(cases)
     most = 8 * linear.octets(max(case.dbet.elements for case in cases))
     modes = most_modes(sections)
@@ -131,14 +133,14 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
 
 
 def _options(case: Case) -> list[int]:
-    """The options of a case, in the order of their names in `elements`."""
+    """Options of a case, in the order of their names in `elements`."""
     dbet = case.dbet
     bends = dbet.frame == "deformed" and case.wing.modes > 0
     return [int(dbet.speed == "truncated"), int(bends), int(dbet.added_mass == "potential"), int(dbet.attached)]
 
 
 def _settings(case: Case) -> list[float]:
-    """The settings of a case, in the order of their names in `elements`."""
+    """Settings of a case, in the order of their names in `elements`."""
     dbet, density, chord = case.dbet, case.fluid.density, case.wing.chord
     polar = dbet.polar
     friction = 0.0
@@ -160,7 +162,7 @@ def _settings(case: Case) -> list[float]:
 
 @ti.func
 def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
-    """Give attached flow its share, and separated flow the force of rotation."""
+    """Weight the forces of attached and separated flow, and add the rotational force to the latter."""
     speed = ti.sqrt(mean_n * mean_n + mean_t * mean_t)
     share = 1.0
     if ti.static(used.extended):
@@ -187,7 +189,7 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
 
 @ti.func
 def prepare(batch: View, b, n, rule, used: View):
-    """Modal force of the coming step `n`."""
+    """Modal force of step `n`."""
     mean_n, mean_t = separated.linearise(batch.body, batch.flow, b, n, used)
     if ti.static(used.extended):
         blend(batch.body, batch.flow, b, n, mean_n, mean_t, used)
@@ -202,7 +204,7 @@ def prepare(batch: View, b, n, rule, used: View):
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
-    """Forces of step `n` once its modal acceleration is known."""
+    """Forces of step `n` at the known modal acceleration."""
     loads.sum_forces(batch.body, batch.flow, b, n, used)
 
 

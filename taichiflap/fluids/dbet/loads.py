@@ -1,4 +1,4 @@
-"""What the flow past the elements does to the modes, and its sums: normal and axial force, moment."""
+"""Modal forces of the elements, and their sums: normal and axial force, and moment."""
 
 from ...kernels.runtime import Octet, View, ti
 from ...march.state import (
@@ -49,8 +49,8 @@ from .separated import axial_force, kept_share
 def load_modes(body: View, flow: View, b, rule, used: View):
     """Modal force and its response to the modal acceleration.
 
-    The forces of separated flow enter with their slope (never negative with the full speed: blades damp); added mass
-    and attached flow are linear and go whole into the response.
+    Forces of separated flow are linearised about the predicted rates (with the full speed the slope is never negative,
+    so that blades damp). Added mass and attached flow are linear and enter the response exactly.
     """
     modes = modes_of(body, b, used.modes)
     for j in range(modes):
@@ -88,7 +88,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
 
 @ti.func
 def add_column(body: View, coefficient: View, b, j, m, share, modes):
-    """Take a coefficient, known and by mode, times the share of mode `j` in it from the modal force."""
+    """Subtract a coefficient, known and per mode, times its share of mode `j` from the modal force."""
     body.load[b, j] = body.load[b, j] - share * coefficient[b, 0, m]
     for k in range(modes):
         body.response[b, j, k] = body.response[b, j, k] - share * coefficient[b, k + 1, m]
@@ -96,7 +96,7 @@ def add_column(body: View, coefficient: View, b, j, m, share, modes):
 
 @ti.func
 def settle_coefficients(body: View, coefficient: View, b, terms, modes):
-    """Put into column 0 the coefficients at the acceleration that the step has come to."""
+    """Set column 0 to the coefficients at the step's acceleration."""
     for m in range(terms):
         for k in range(modes):
             coefficient[b, 0, m] = coefficient[b, 0, m] + coefficient[b, k + 1, m] * body.q[b, ACCEL, k]
@@ -104,9 +104,9 @@ def settle_coefficients(body: View, coefficient: View, b, terms, modes):
 
 @ti.func
 def settle_flow(body: View, flow: View, b, used: View):
-    """Take the coefficients, and the lag, to the acceleration that the step has come to.
+    """Update the coefficients and the lag states to the step's acceleration.
 
-    Returns whether some flow is attached.
+    Returns whether any flow is attached.
     """
     lifting = 0
     modes = modes_of(body, b, used.modes)
@@ -123,7 +123,7 @@ def settle_flow(body: View, flow: View, b, used: View):
 
 @ti.func
 def sum_forces(body: View, flow: View, b, n, used: View):
-    """Forces with the modal rates and accelerations that the step has come to."""
+    """Forces at the step's modal rates and accelerations."""
     modes = modes_of(body, b, used.modes)
     p_y, _ = pivot_velocity(body, flow.stream, b, n)
     lifting = settle_flow(body, flow, b, used)
@@ -169,7 +169,7 @@ def sum_forces(body: View, flow: View, b, n, used: View):
     body.force[b, MOMENT] = total_moment.sum()
     body.force[b, UNSTEADY] = total_unsteady.sum()
     if ti.static(used.extended):
-        if lifting == 1:  # the clamped nose does not tilt: along e_y, through the pivot's axis
+        if lifting == 1:  # the clamped leading edge does not rotate: along e_y, through the pivot
             around = flow.cosine[b, 0, 0]
             suction = (1.0 - flow.lag[b, SEPARATED]) * flow.setting[b, SUCTION] * around * around
             body.force[b, AXIAL] = body.force[b, AXIAL] - suction

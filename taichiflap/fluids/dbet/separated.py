@@ -1,8 +1,8 @@
-"""Separated flow: lift and drag of every element as of a plate that moves as it does just now.
+"""Separated flow: quasi-steady lift and drag of every element.
 
-Reade & Jankauski (2020), Eqs 17-24, with the corrections that the functions below name. An element moves at
-`(u_t, u_n)` along its tangent and its normal relative to the fluid, so that `sin A = u_n/U` and `cos A = u_t/U` in all
-four quadrants (the paper's arctangent of Eq. 18 loses two), and the coefficients of Eqs 19-20 become polynomials:
+Reade & Jankauski (2020), Eqs 17-24, with the corrections named in the functions below. An element moves at `(u_t, u_n)`
+along its tangent and its normal relative to the fluid, so that `sin A = u_n/U` and `cos A = u_t/U` in all four
+quadrants (the arctangent of Eq. 18 covers only two), and the coefficients of Eqs 19-20 become polynomials:
 
     C_L U^2 = 2 C_Lmax u_t u_n,        C_D U^2 = C_D0 u_t^2 + C_Dmax u_n^2.
 
@@ -43,8 +43,9 @@ from .elements import (
 )
 
 BROADSIDE = 0.1
-"""Chordwise over whole speed of the chord below which the force of rotation turns over from one edge leading to the
-other, so that it has no jump at a stroke's reversal."""
+"""Ratio of chordwise to total speed below which the rotational force changes sign smoothly between the two leading
+edges, to avoid a jump at stroke reversal.
+"""
 
 
 @ti.func
@@ -84,7 +85,7 @@ def axial_force(flow: View, b, u_t, u_n):
 
 @ti.func
 def kept_share(r_y, r_z, e_y, e_z):
-    """Share of the squared speed `|r + e|^2` that the paper's Eqs 21-22 keep: all but the elastic `|e|^2`."""
+    """Fraction of the squared speed `|r + e|^2` kept in the paper's Eqs 21-22, which omit the elastic `|e|^2`."""
     u_y = r_y + e_y
     u_z = r_z + e_z
     return (r_y * r_y + r_z * r_z + 2.0 * (r_y * e_y + r_z * e_z)) / (u_y * u_y + u_z * u_z + TINY)
@@ -92,7 +93,7 @@ def kept_share(r_y, r_z, e_y, e_z):
 
 @ti.func
 def gust_past(body: View, flow: View, b, n, block, w):
-    """Velocity of the gust along e_y and e_z at eight elements; its flux through them is noted."""
+    """Velocity of the gust along e_y and e_z at eight elements; stores its flux through them."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     y = flow.element[b, POSITION, block]
@@ -109,7 +110,7 @@ def gust_past(body: View, flow: View, b, n, block, w):
 
 @ti.func
 def lean(body: View, flow: View, b, block, modes):
-    """Slope of the bent wing at eight elements, and what its tangent is stretched by."""
+    """Slope of the bent wing at eight elements, and the stretch of its tangent."""
     slope = superpose_octet(flow.shape_slope, body.q_predicted, b, AMPLITUDE, block, modes)
     flow.element[b, LEAN, block] = slope
     flow.element[b, STRETCH, block] = 1.0 / ti.sqrt(1.0 + slope * slope)
@@ -117,7 +118,7 @@ def lean(body: View, flow: View, b, block, modes):
 
 @ti.func
 def linearise(body: View, flow: View, b, n, used: View):
-    """Motion of the elements, and the forces of separated flow on them, about the expected rates (Eqs 6-7, 17-27).
+    """Motion of the elements and forces of separated flow at the predicted rates (Eqs 6-7, 17-27).
 
     Returns the means over the chord of u_n and u_t.
     """

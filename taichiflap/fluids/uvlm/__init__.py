@@ -13,11 +13,11 @@ from ..interface import WAKE, Array, Flow, Model, Output, Refinement, Velocity, 
 from . import stations
 
 ATTACHED = 20.0
-"""Degrees that a flow to a sharp edge stays attached at, even for a moment."""
+"""Angle of attack, in degrees, up to which the flow stays attached at a sharp leading edge."""
 FEWEST_BEATS, MOMENTS = 20, 512
-"""Beats that the mean of a separated flow takes in hover; times of a beat at which the motion is looked at."""
+"""Minimum number of beats for the mean of a separated flow in hover; times per beat at which the motion is sampled."""
 SPREAD = 0.08
-"""Least radius over which a vortex is spread in a picture of the flow, chords: a point alone would be a needle."""
+"""Minimum core radius in pictures of the flow, chords."""
 
 
 class Uvlm(Model):
@@ -58,7 +58,7 @@ class Uvlm(Model):
     def counters(self, case: Case, step: int) -> Mapping[str, tuple[Any, Any]]:
         size, last = stations.ring_size(case), min(step, case.steps + 1) - 1
         count, place = int(self.entries(case, last)), size - 1
-        # As `wake.ring` has its columns.
+        # In the order of the columns of `wake.ring`.
         ring = (size, 0, 0, 0, 0, 0, 0), (size, count, place, place, last + 1, np.iinfo("i4").max, place)
         return {"wake.ring": ring, "wake.birth": (0, last), "wake.edge": (0, 1)}
 
@@ -67,7 +67,7 @@ class Uvlm(Model):
         return (vortices + panels) ** 2 + panels**3 / 10.0
 
     def settings(self, case: Case) -> list[str]:
-        wake = "all of the wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
+        wake = "whole wake" if case.uvlm.wake == "all" else f"{case.uvlm.wake} wake vortices"
         edge = f"leading edge sheds above suction limit {case.uvlm.suction_limit:g}"
         return [f"{case.uvlm.panels} panels", wake, *([edge] if stations.sheds(case) else [])]
 
@@ -78,22 +78,22 @@ class Uvlm(Model):
         largest = np.pi / (2.0 * uvlm.panels)
         if uvlm.core < largest:
             found.append(
-                f"uvlm.core = {uvlm.core:g} chords is below the largest panel, {largest:.2g}: the force gets noisy as "
-                "vortices pass the wing; give a larger core or more uvlm.panels"
+                f"uvlm.core = {uvlm.core:g} chords is smaller than the largest panel, {largest:.2g}; vortices that "
+                "pass the wing make the force noisy: use a larger core or more uvlm.panels"
             )
         middle = (0.5 - case.wing.pivot) * case.wing.chord
         times = case.duration - case.beat * np.linspace(0.0, 1.0, MOMENTS)
         angle = typical_angle(case.motion, middle, case.fluid.velocity, times)
         if uvlm.suction_limit == 0.0 and any(case.fluid.velocity) and angle < ATTACHED:
             found.append(
-                f"uvlm.suction_limit = 0 sheds at every angle, and at {angle:.2g} deg the flow would stay "
-                "attached: lift comes out far too high; give a limit such as 0.1"
+                f"uvlm.suction_limit = 0 sheds at every angle, but at {angle:.2g} deg the flow would stay attached "
+                "and lift is far too high; use a limit such as 0.1"
             )
         beats = case.time.periods
         if beats and not any(case.fluid.velocity) and beats < FEWEST_BEATS:
             found.append(
-                f"time.periods = {beats}: beats of a separated flow in hover differ by a quarter; a mean with its "
-                f"standard error takes at least {FEWEST_BEATS}"
+                f"time.periods = {beats}: beats of a separated flow in hover differ by about 25 %; use at least "
+                f"{FEWEST_BEATS} for a mean with a standard error"
             )
         return found
 
@@ -111,7 +111,9 @@ class Uvlm(Model):
         return found
 
     def vortices(self, result: Any, index: int) -> Array:
-        """Y, Z (m) and circulation (m2/s) of the bound and then the wake vortices of a frame, shape (3, vortex)."""
+        """Y, Z (m) and circulation (m2/s) of the bound vortices and then the wake vortices of a frame, shape (3,
+        vortex).
+        """
         wake, node = result.wake(index), np.asarray(result.frame("node_position", index), dtype=float)
         at = stations.stations(result.case)
         share = (at.vortex - at.node[:-1]) / np.diff(at.node)

@@ -43,7 +43,7 @@ from .wake import CAPACITY, COUNT, CROSSINGS, FAR_ERROR, OLDEST, YOUNGEST
 
 @dataclass(frozen=True)
 class Uses:
-    """What of the model some case of a batch needs; the kernel holds nothing else, and is ready the sooner."""
+    """Features of the model that a batch needs. The kernel contains only these, to compile faster."""
 
     suction: bool
     loads_at_vortices: bool
@@ -56,7 +56,7 @@ class Uses:
 
 
 def uses(cases: Sequence[Case]) -> Uses:
-    """What a batch needs of the model."""
+    """Features that a batch needs."""
     return Uses(
         suction=any(has_edge(case) for case in cases),
         loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
@@ -70,9 +70,9 @@ def uses(cases: Sequence[Case]) -> Uses:
 
 
 def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
-    """The lattices and wakes of a batch, at rest."""
+    """Lattices and wakes of a batch at rest."""
     groups = {"flow": lattice.allocate(cases, sections), "wake": wake.allocate(cases)}
-    # What a step of long wakes is worth doing on all threads.
+    # Velocities of long wakes are computed before each step on all threads.
     long_wakes = LongWakes(cases, groups["wake"], groups["flow"], body.failed, threads)
     types = {"flow": lattice.Lattice, "wake": wake.Wake}
     used = uses(cases)
@@ -83,9 +83,10 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: i
 def load_modes(body: View, flow: View, b, rule, used: View):
     """Modal force and its response to the modal acceleration.
 
-    Unsteady Bernoulli (Eq. 33) with the second-order d(Gamma)/dt: `-rho (slip Gamma + dPhi/dt dy)` along e_z, where the
-    jump of potential Phi is the running sum of Gamma. It steps at the vortices (`loads = "vortices"`), which carry the
-    steady part; with "panels" it counts a panel's own Gamma all over it, and the steady part acts at its middle.
+    Unsteady Bernoulli (Eq. 33) with the second-order d(Gamma)/dt: `-rho (u_t Gamma + dPhi/dt dy)` along e_z, with the
+    tangential velocity u_t. The jump of potential Phi is the running sum of Gamma. With `loads = "vortices"` it changes
+    at the vortices, where the steady part acts; with "panels" it is uniform over each panel, and the steady part acts
+    at the panel's midpoint.
     """
     modes = body.modes[b]
     for column in range(modes + 1):
@@ -120,7 +121,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
 
 @ti.func
 def acting_tangent(flow: View, b, i):
-    """Tangent where a panel's steady force acts."""
+    """Unit tangent at the point where a panel's steady force acts."""
     along = flow.vortex[b, ALONG, i]
     across = flow.vortex[b, ACROSS, i]
     if flow.size[b, WHOLE] == 1:
@@ -131,7 +132,7 @@ def acting_tangent(flow: View, b, i):
 
 @ti.func
 def along_chord(body: View, flow: View, b, bound, used: View):
-    """Forces along e_z and e_y and moment of what acts along the wing: suction at its leading edge, and friction."""
+    """Normal and axial force and moment of leading-edge suction and friction."""
     normal, axial, moment = 0.0, 0.0, 0.0
     if ti.static(used.suction):
         if flow.constant[b, FACTOR] > 0.0:
@@ -146,10 +147,10 @@ def along_chord(body: View, flow: View, b, bound, used: View):
 
 @ti.func
 def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
-    """Circulation, new vortex and forces with the modal rates that the step has come to.
+    """Circulation, new vortex and forces at the step's modal rates.
 
     The force of a pressure dP on a piece of the camber line is `dP * span * (-dz, dy)` and its moment about the pivot
-    `dP * span * d(r^2)/2`, whatever the shape of the piece (Eq. 34 prints c for the span).
+    `dP * span * d(r^2)/2`, for any shape of the piece (Eq. 34 has c instead of the span).
     """
     total_normal = 0.0
     total_axial = 0.0
@@ -203,7 +204,7 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
 
 @ti.func
 def prepare(batch: View, b, n, rule, used: View):
-    """Geometry and circulation of the coming step `n`, linear in the modal acceleration; its modal force."""
+    """Geometry, circulation (linear in the modal acceleration) and modal force of step `n`."""
     panels = batch.flow.size[b, PANELS]
     if n > 0:
         dt = batch.body.dt[b]
@@ -250,12 +251,12 @@ def prepare(batch: View, b, n, rule, used: View):
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
-    """Circulation, new vortices and forces of step `n` once its modal acceleration is known."""
+    """Circulation, new vortices and forces of step `n` at the known modal acceleration."""
     circulate(batch.body, batch.flow, batch.wake, b, rule, used)
 
 
 BOUND, CROSSED, LOST, FAR, SUCTION_VELOCITY, FROM_LEADING, FROM_TRAILING, EDGE_SHEDS = range(8)
-"""The series, as the model declares them."""
+"""Store the series in the order in which the model declares them."""
 
 
 @ti.func

@@ -1,9 +1,9 @@
-"""The vortex lattice on the deformed camber line: its panels, and the circulation that lets no fluid through.
+"""The vortex lattice on the deformed camber line: panels, and the circulation that satisfies no penetration.
 
-Reade & Jankauski (2020), Eqs 28-31; `taichiflap.fluids.uvlm.stations` says where its parts sit. On the wing all is
-in wing axes (e_y, e_z); the bound vortices and the control points, which meet the wake, are also kept in Y, Z. With
-the wing and the wake in place the circulation is linear in the wing's velocity, hence in the modal acceleration: one
-elimination gives it for no acceleration (column 0) and for a unit rate of every mode (columns 1 to K).
+Reade & Jankauski (2020), Eqs 28-31; `taichiflap.fluids.uvlm.stations` defines the positions along the chord. The wing
+uses wing axes (e_y, e_z); bound vortices and control points are also stored in Y, Z, for the wake. At given positions
+of wing and wake the circulation is linear in the wing's velocity and hence in the modal acceleration. One elimination
+gives it without acceleration (column 0) and for a unit rate of every mode (columns 1 to K).
 """
 
 from collections.abc import Sequence
@@ -29,36 +29,42 @@ from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, HEIGHT, REFLECTS, TRAI
 ALONG, ACROSS = 2, 3
 """Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
 PANELS, WHOLE, SHEDDING = range(3)
-"""Columns of `size`: number of panels; 1 where the pressure counts whole panels (`loads = "panels"`); 1 where the
-leading edge sheds."""
+"""Columns of `size`: number of panels; 1 if the pressure is uniform over panels (`loads = "panels"`); 1 if the leading
+edge may shed.
+"""
 STREAM_Y, STREAM_Z, DENSITY, FACTOR, EDGE_FACTOR, SUCTION_LIMIT, FRICTION = range(7)
-"""Columns of `constant`: of the free stream, m/s; of the fluid, kg/m3; suction over the square of the through-flow at
-the leading edge, N s2/m2 (`spacing.suction_factor`; 0: none); `spacing.edge_factor`; largest suction velocity, m/s;
-friction of a side over area and the power 1.5 of its speed (0: none)."""
+"""Columns of `constant`: free stream, m/s; density, kg/m3; suction over the square of the through-flow at the leading
+edge, N s2/m2 (`stations.suction_factor`; 0: none); `stations.edge_factor`; limit of the suction velocity, m/s; friction
+of a side per area and speed to the power 1.5 (0: none).
+"""
 (TOTAL, SUCTION, SPEED, SHEDS, RELEASED, RELEASED_BEFORE, WAKE_Y, WAKE_Z, NEW_Y, NEW_Z, LEADING_Y,
  LEADING_Z) = range(12)  # fmt: skip
-"""Columns of `scalar`: bound circulation one step earlier, m2/s; suction, N, as expected; suction velocity at the
-leading edge, m/s, see `leading_edge`; 1 while that edge sheds; circulation that it has shed so far and until a step
-earlier, m2/s; velocity of the wake there, along Y and Z, m/s; in wing axes, m, where the step's new vortices stand, of
-the trailing edge and of the leading edge."""
+"""Columns of `scalar`: bound circulation one step earlier, m2/s; predicted suction, N; suction velocity at the leading
+edge, m/s, see `leading_edge`; 1 while that edge sheds; circulation that it has shed, now and one step earlier, m2/s;
+velocity of the wake there, along Y and Z, m/s; positions of the step's new vortices from the trailing and the leading
+edge, in wing axes, m.
+"""
 LENGTH, SPAN, PRESSURE, SUM, SUM_BEFORE = range(5)
-"""Rows of `panel`: its length and mean span, m; force per area along e_z, Pa; circulation ahead of and on it, one step
-earlier and two, m2/s."""
+"""Rows of `panel`: length and mean span, m; force per area along e_z, Pa; running sum of circulation, one and two steps
+earlier, m2/s.
+"""
 CONTROL = 4
 """First row of the control points in `bound`, after the vortices with their circulation and core."""
 WAKE, TANGENTIAL, NEW, NEW_LEADING = 0, 2, 4, 6
-"""First rows of `air`, velocities at the control points, m/s: of the wake, in wing axes; of the fluid past the panel,
-along it, as expected (a second row is scratch); of a new vortex of unit circulation at the trailing edge, and of one at
-the leading edge, if it sheds."""
+"""First rows of `air`, velocities at the control points, m/s: of the wake, in wing axes; tangential velocity of the
+fluid, predicted (the second row is scratch); of a new vortex of unit circulation at the trailing edge, and of one at
+the leading edge.
+"""
 BASE, STRENGTH = range(2)
-"""Rows of `edge`, a value for every column of the solution: A without the new vortex of the leading edge, and how
-strong that vortex is."""
+"""Rows of `edge`, one value per column of the solution: A without the leading edge's new vortex, and the strength of
+that vortex.
+"""
 
 Lattice = ti.types.argpack(
-    size=Ints2,  # what a case gives and what its march keeps, one row a case: see the names of their columns
+    size=Ints2,  # settings and state, one row per case: see the names of their columns
     constant=Floats2,
     scalar=Floats2,
-    stream=Floats2,  # and the gust in it, see taichiflap.march.stream
+    stream=Floats2,  # free stream and gust, see taichiflap.march.stream
     panel=Floats3,  # see the names of its rows
     shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.fluids.uvlm.stations
     node=Floats3,  # nodes in wing axes, and the rate of their deflection without acceleration
@@ -66,9 +72,9 @@ Lattice = ti.types.argpack(
     point=Floats3,
     bound=Floats3,  # ... and in Y, Z, the vortices with their circulation
     air=Floats3,  # see the names of its rows
-    matrix=Octets3,  # and the right-hand sides, while they are solved
+    matrix=Octets3,  # also the right-hand sides before the solution
     solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode;
-    # behind them, while it is solved, for a unit vortex of the leading edge
+    # followed by that of a unit vortex at the leading edge
     edge=Floats3,
     factor=Octets2,
 )
@@ -120,7 +126,7 @@ def between(left, right, share):
 
 @ti.func
 def deflect(flow: View, state: View, b, row, table, i, modes):
-    """`sum_k phi_k q_k` of a row of a modal state, the modes taken from a table: W (Eq. 8), its rate, its slope."""
+    """`sum_k phi_k q_k` of a row of a modal state, with modes from a table: W (Eq. 8), its rate or its slope."""
     total = 0.0
     for k in range(modes):
         total += flow.shape[b, k, table, i] * state[b, row, k]
@@ -129,7 +135,7 @@ def deflect(flow: View, state: View, b, row, table, i, modes):
 
 @ti.func
 def place_panels(body: View, flow: View, b, n):
-    """Panels, bound vortices and control points of the wing as it is expected to deform."""
+    """Panels, bound vortices and control points at the predicted deformation."""
     modes = body.modes[b]
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
@@ -162,9 +168,9 @@ def put(stations: View, deflection, slope, b, i):
 
 @ti.func
 def reflect_crossings(body: View, flow: View, wakes: View, b, n):
-    """Count the wake vortices that the wing has come upon since the last step, and keep them on their side of it.
+    """Count the wake vortices that the wing has crossed since the last step, and reflect them to their side of it.
 
-    A vortex that was above the wing and now is below stands as far above instead; it may go around an edge.
+    A vortex that was above the wing and is now below is moved to the same distance above it, and vice versa.
     """
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
@@ -195,7 +201,7 @@ def reflect_crossings(body: View, flow: View, wakes: View, b, n):
 
 @ti.func
 def velocity_past(body: View, flow: View, b, n, i):
-    """Velocity (m/s) of the stream relative to node `i` without modal acceleration, along e_y and e_z."""
+    """Velocity (m/s) of the stream relative to node `i`, without modal acceleration, along e_y and e_z."""
     p_y, p_z = pivot_velocity(body, flow.constant, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     return (
@@ -206,10 +212,10 @@ def velocity_past(body: View, flow: View, b, n, i):
 
 @ti.func
 def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
-    """Place this step's wake vortex behind the trailing edge and note what a unit of it does to the panels.
+    """Place this step's wake vortex behind the trailing edge, and store the velocity it induces per unit at the panels.
 
-    Fixed rule: a distance along the tangent there. Local rule: a share of the trailing edge's path relative to the
-    flow that carried the youngest vortex; never ahead of the edge, never closer than the least travel.
+    Fixed rule: at a distance along the tangent. Local rule: at a share of the trailing edge's path relative to the flow
+        that carried the youngest vortex, but at least the minimum distance behind the edge.
     """
     edge = flow.size[b, PANELS]
     cosine = body.motion[b, n, COSINE]
@@ -246,7 +252,7 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
 
 @ti.func
 def wake_at_panels(body: View, flow: View, wakes: View, b, n):
-    """Velocity of the wake, and of a gust, at the control points, along e_y and e_z."""
+    """Velocity of the wake and of a gust at the control points, along e_y and e_z."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
@@ -258,7 +264,7 @@ def wake_at_panels(body: View, flow: View, wakes: View, b, n):
     if flow.stream[b, KIND] > 0.0:
         last = flow.size[b, PANELS] - 1
         for i in range(last + 1):
-            # A sharp edge is as long as the cell between two vortices: control points feel its mean over it.
+            # A sharp gust edge is averaged over the cell between two vortices.
             cell = 2.0 * (flow.point[b, Y, i] - flow.vortex[b, Y, i])
             if i < last:
                 cell = flow.vortex[b, Y, i + 1] - flow.vortex[b, Y, i]
@@ -269,10 +275,10 @@ def wake_at_panels(body: View, flow: View, wakes: View, b, n):
 
 @ti.func
 def assemble(body: View, flow: View, b, n):
-    """No penetration at every control point (Eqs 28, 31), the new vortex eliminated by Kelvin's theorem.
+    """No penetration at every control point (Eqs 28, 31), with the new vortex eliminated by Kelvin's theorem.
 
-    `sum_j Gamma_j + Gamma_new = total` (the corrected last row of Eq. 31: all bound circulation of the step
-    before), so that column j holds vortex j less the new one.
+    `sum_j Gamma_j + Gamma_new = total` (the corrected last row of Eq. 31: all bound circulation of the step before), so
+    that column j is the effect of vortex j minus that of the new vortex.
     """
     modes = body.modes[b]
     theta_rate = body.motion[b, n, PITCH_RATE]
@@ -295,7 +301,9 @@ def assemble(body: View, flow: View, b, n):
 
 @ti.func
 def solve(body: View, flow: View, b):
-    """Circulations for no modal acceleration and for a unit rate of every mode, and for a unit vortex of an edge."""
+    """Circulations without modal acceleration, for a unit rate of every mode, and for a unit vortex at the leading
+    edge.
+    """
     columns = body.modes[b] + 1 + flow.size[b, SHEDDING]
     linear.solve(flow.matrix, flow.solution, flow.factor, b, flow.size[b, PANELS], columns)
 

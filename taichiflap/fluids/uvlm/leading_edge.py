@@ -1,14 +1,14 @@
-"""A leading edge that sheds: a second sheet of vortices, whose strength holds the suction there at its limit.
+"""A leading edge that sheds: a second vortex sheet whose strength limits the leading-edge suction.
 
-The flow around the edge is measured by the suction velocity `A = w sqrt(s)/(2 N)`, m/s: w is the flow through the
-lattice at the edge, along its normal, N the number of panels and s the stretch `sqrt(1 + slope^2)` of the camber line.
-On a steady flat plate it is `U sin(alpha)`, near the edge `gamma -> 2 A sqrt(c/x)`, and the suction is `pi rho c A^2`
-a unit span. `A/U` is the leading-edge suction parameter of Ramesh, Gopalarathnam, Granlund, Ol & Edwards (2014),
-J. Fluid Mech. 751, whose criterion this is: no larger |A| than a limit.
+The flow around the edge is measured by the suction velocity `A = w sqrt(s)/(2 N)`, m/s: w is the normal flow through
+the lattice at the edge, N the number of panels and s the stretch `sqrt(1 + slope^2)` of the camber line. On a steady
+flat plate A is `U sin(alpha)`; near the edge `gamma -> 2 A sqrt(c/x)`, and the suction per unit span is `pi rho c A^2`.
+`A/U` is the leading-edge suction parameter of Ramesh, Gopalarathnam, Granlund, Ol & Edwards (2014),
+J. Fluid Mech. 751, whose criterion is used: |A| does not exceed a limit.
 
-A unit vortex at the edge is one more right-hand side of the lattice's elimination. The A of all its columns then gives
-the strength that the limit asks for, linear in the modal acceleration like all else: `g = g_0 + sum_k g_k (rate_k -
-known rate_k)`. Every column takes its share of the new vortex, and neither loads nor coupling know of it further.
+A unit vortex at the edge is an additional right-hand side of the lattice's elimination. The A of all columns gives the
+strength required by the limit, which is linear in the modal acceleration: `g = g_0 + sum_k g_k (rate_k - known
+rate_k)`. The new vortex is then included in every column, so that loads and coupling need no special treatment.
 """
 
 from ...kernels.runtime import Octet, View, ti
@@ -54,10 +54,10 @@ def tangent(body: View, flow: View, b):
 
 @ti.func
 def place(body: View, flow: View, wakes: View, b, n):
-    """Where a vortex of the leading edge would stand, and what a unit of it does to the panels.
+    """Position of a new vortex of the leading edge, and the velocity it induces per unit at the panels.
 
-    The mirror image of the trailing edge's rule: a share of the edge's path relative to the flow that carried the last
-    one, if the step before shed it, else to the wake's at the edge; never behind the edge.
+    Mirror image of the trailing edge's rule: at a share of the edge's path relative to the flow that carried the last
+    vortex, if the previous step shed one, or else relative to the wake's velocity at the edge; never behind the edge.
     """
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
@@ -99,7 +99,7 @@ def wake_at_edge(body: View, flow: View, wakes: View, b, n):
 
 @ti.func
 def assemble(body: View, flow: View, b):
-    """Right-hand side of a unit vortex at the leading edge, which the trailing edge's one gives up (Kelvin)."""
+    """Right-hand side of a unit vortex at the leading edge; the trailing edge's vortex compensates it (Kelvin)."""
     for i in range(flow.size[b, PANELS]):
         u_y = flow.air[b, NEW + Y, i] - flow.air[b, NEW_LEADING + Y, i]
         u_z = flow.air[b, NEW + Z, i] - flow.air[b, NEW_LEADING + Z, i]
@@ -153,7 +153,7 @@ def at_rates(body: View, flow: View, state: View, b, row):
 
 @ti.func
 def released_at(body: View, flow: View, state: View, b):
-    """Circulation of the leading edge's new vortex at the modal rates of a state; zero if it sheds none."""
+    """Circulation of the leading edge's new vortex at the modal rates of a state; zero if none is shed."""
     released = 0.0
     if flow.scalar[b, SHEDS] > 0.0:
         released = at_rates(body, flow, state, b, STRENGTH)
@@ -162,9 +162,9 @@ def released_at(body: View, flow: View, state: View, b):
 
 @ti.func
 def shed(body: View, flow: View, wakes: View, b, n):
-    """Shed a vortex where the expected A passes its limit, of the strength that holds it there.
+    """Shed a vortex if the predicted A exceeds its limit, with the strength that keeps A at the limit.
 
-    It is decided at the expected modal rates; the strength then follows from the actual ones.
+    The decision uses the predicted modal rates, the strength the actual ones.
     """
     modes = body.modes[b]
     limit = flow.constant[b, SUCTION_LIMIT]
@@ -191,7 +191,7 @@ def shed(body: View, flow: View, wakes: View, b, n):
 
 @ti.func
 def potential(flow: View, b, column, rule):
-    """Jump of potential at the leading edge, all that it has shed, and its rate; of a column of the solution."""
+    """Jump of potential at the leading edge (its total shed circulation) and its rate, for a column of the solution."""
     jump = 0.0
     if flow.scalar[b, SHEDS] > 0.0:
         jump = flow.edge[b, STRENGTH, column]
@@ -204,7 +204,7 @@ def potential(flow: View, b, column, rule):
 
 @ti.func
 def settle(body: View, flow: View, wakes: View, b, rule):
-    """The vortex just shed gets its strength at the actual rates.
+    """Set the strength of the new vortex at the actual rates.
 
     Returns:
         Jump of potential at the leading edge, m2/s, its rate, and that strength.

@@ -1,8 +1,8 @@
-"""Long wakes: the velocities of their vortices, worked out before a step on all threads.
+"""Long wakes: the velocities of their vortices are computed before a step on all threads.
 
-A march gives each case a thread of its own, which suits short wakes and sweeps. The pair sums of a long wake are worth
-all threads, and, where a case allows an error, the tree of `taichiflap.vortex.multipole`. Whether a case's sums go by
-the tree depends on that case alone, so that it gives the same bits in any batch.
+A march gives each case one thread, which suits short wakes and sweeps. The pair sums of a long wake use all threads
+and, if the case allows an error, the tree of `taichiflap.vortex.multipole`. Use of the tree depends only on the case,
+so that results are bit-identical in any batch.
 """
 
 from collections.abc import Sequence
@@ -23,17 +23,19 @@ from .stations import ring_size, shed_a_step
 from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow
 
 WIDE = 3000
-"""Vortices from which the sums of one case are worth all threads: above, they cost more than two kernel launches."""
+"""Minimum number of vortices for which one case's sums use all threads, since they then cost more than two kernel
+launches.
+"""
 FAR = 3500
-"""Vortices from which the tree is quicker than the pairs, see the benchmarks."""
+"""Minimum number of vortices for which the tree is faster than the pair sums, see the benchmarks."""
 TASKS = 64
 
 
 class LongWakes:
-    """The long wakes of a batch: `long_wakes(n)` works out their velocities for step `n`.
+    """The long wakes of a batch: `long_wakes(n)` computes their velocities for step `n`.
 
     Attributes:
-        first: the first step for which that is worth its while.
+        first: first step for which this is faster.
     """
 
     def __init__(self, cases: Sequence[Case], wakes: Any, flow: Any, failed: Any, threads: int | None) -> None:
@@ -50,7 +52,7 @@ class LongWakes:
         self._tree: Any = None
 
     def __call__(self, n: int) -> None:
-        """Work out the velocities of the wakes that are long by step `n`."""
+        """Compute the velocities of the wakes that are long at step `n`."""
         if self._tree is None:
             self._tree = multipole.allocate(len(self._cases), self._room())
             self._ready = array([0] * len(self._cases))
@@ -71,14 +73,14 @@ class LongWakes:
 
 
 def _long(case: Case, alone: bool) -> int:
-    """Vortices from which a case's wake is long, where it may have all threads; more than it ever has if never."""
+    """Number of vortices from which a case's wake counts as long; more than it ever holds if never."""
     least = FAR if case.uvlm.far_error else WIDE
     may = alone or case.uvlm.far_error > 0.0
     return least if may and ring_size(case) >= least else shed_a_step(case) * (case.steps + 1)
 
 
 def typical_speed_of(case: Case) -> float:
-    """Speed (m/s) that a case's `uvlm.far_error` is a share of: the trailing edge's, over the whole run."""
+    """Reference speed (m/s) of `uvlm.far_error`: that of the trailing edge over the whole run."""
     times = case.step * np.arange(case.steps + 1, dtype=np.float64)
     behind = (1.0 - case.wing.pivot) * case.wing.chord
     return typical_speed(case.motion, behind, case.fluid.velocity, times)
@@ -138,7 +140,7 @@ def _carry_all(
 
 @ti.func
 def carry_by_tree(wakes: View, tree: View, bound: View, panels, stream: View, b, first):
-    """As `wake.carry`, for eight neighbours on the tree's curve."""
+    """As `wake.carry`, for eight neighbouring vortices on the tree's curve."""
     count = tree.count[b]
     y = octet_at(tree.source, b, Y, first, count)
     z = octet_at(tree.source, b, Z, first, count)
@@ -156,7 +158,7 @@ def carry_by_tree(wakes: View, tree: View, bound: View, panels, stream: View, b,
 
 @ti.func
 def compare(wakes: View, tree: View, b, first):
-    """Note how far the tree is from the sum over all pairs, for eight vortices a step."""
+    """Store the difference between the tree and the direct sum, for eight vortices per step."""
     count = tree.count[b]
     y = octet_at(tree.source, b, Y, first, count)
     z = octet_at(tree.source, b, Z, first, count)

@@ -1,17 +1,17 @@
-"""Fewer vortices in a wake, at a stated cost at the wing: two become one, or one goes from a full wake.
+"""Reduction of the number of wake vortices, with a controlled error at the wing: merging and absorption.
 
-A full wake gives one up for good, or into its neighbours. A vortex is absorbed by the two that were shed before and
-after it from the same edge, its neighbours on the sheet. They take its
-circulation in shares that its place between them gives (signed as it is: shares are never of |Gamma|), and the
-stronger of them then moves by what the impulse still lacks, so that sum(Gamma), sum(Gamma Y) and sum(Gamma Z) hold.
-Where the strengths nearly cancel that move would be long: such vortices are left alone.
+A full wake drops its oldest vortex, or lets two neighbours absorb one. The neighbours are the vortices shed before and
+after it from the same edge. They share its circulation according to its position between them, and the stronger
+neighbour moves so that sum(Gamma), sum(Gamma Y) and sum(Gamma Z) are conserved. Vortices whose absorption would need a
+long move, because the strengths nearly cancel, are left alone.
 
-What the absorption changes at a distance R is the second moment of the three, Q = sum(Gamma zeta^2) about the vortex
-that goes: a velocity of |Q|/(2 pi R^3). The vortex with the least goes first, those near the wing last.
+At a distance R absorption changes the velocity by |Q|/(2 pi R^3), where Q = sum(Gamma zeta^2) is the change of the
+second moment of the three vortices about the absorbed one. The vortex with the smallest change is absorbed first, those
+near the wing last.
 
-Before that, two neighbours of one sign at a distance d merge at their centroid where what they change at the wing,
-`|G1 G2/(G1 + G2)| d^2/(2 pi R^3)` (the same Q), is within an error: `uvlm.merge_error`. Wakes that merge, or take from
-two edges, are lists in the order of shedding, not rings: their oldest stands at the first place.
+Merging comes first: two neighbours of the same sign at a distance d merge at their centroid if the change at the wing,
+`|G1 G2/(G1 + G2)| d^2/(2 pi R^3)` (the same Q), is below `uvlm.merge_error`. Wakes that merge, or that two edges shed
+into, are lists in the order of shedding instead of rings: their oldest vortex is the first.
 """
 
 from ...kernels.runtime import View, ti
@@ -36,22 +36,22 @@ from .wake import (
 
 FAR = 1e30
 MERGE_EVERY = 10
-"""Steps from one search for vortices to merge to the next."""
+"""Number of steps between searches for vortices to merge."""
 YOUNG = 2
-"""Steps in which a vortex is too young to merge."""
+"""Number of steps before a new vortex may merge."""
 LONGEST_MOVE = 1.0
-"""Longest move of the stronger neighbour, over its distance from the vortex that goes."""
+"""Maximum move of the stronger neighbour, relative to its distance from the absorbed vortex."""
 
 
 @ti.func
 def place_of(wake: View, b, order):
-    """Place in the ring of the vortex shed as number `order` of those held."""
+    """Index in the ring of the `order`-th oldest vortex."""
     return (wake.ring[b, OLDEST] + order) % wake.ring[b, CAPACITY]
 
 
 @ti.func
 def neighbour(wake: View, b, order, towards):
-    """Order of the next vortex from the same edge, `towards` -1 or 1; -1 if there is none."""
+    """Order of the next vortex from the same edge in the direction `towards`, -1 or 1; -1 if none."""
     edge = wake.edge[b, place_of(wake, b, order)]
     found = -1
     other = order + towards
@@ -64,14 +64,14 @@ def neighbour(wake: View, b, order, towards):
 
 @ti.func
 def sheet_around(wake: View, b, order):
-    """Places of a vortex and of its neighbours on the sheet, the earlier one first; it must have both."""
+    """Indices of a vortex and of its two neighbours on the sheet, the earlier one first."""
     earlier, later = neighbour(wake, b, order, -1), neighbour(wake, b, order, 1)
     return place_of(wake, b, order), place_of(wake, b, earlier), place_of(wake, b, later)
 
 
 @ti.func
 def merger(wake: View, b, i, a, c):
-    """What absorbing a vortex would do: share of the earlier neighbour, move of the stronger one, Q, feasibility.
+    """Effect of absorbing a vortex: share of the earlier neighbour, move of the stronger one, Q, and feasibility.
 
     Two vectors are complex numbers Y + i Z here: the move, m, and Q, m4/s.
 
@@ -109,13 +109,13 @@ def merger(wake: View, b, i, a, c):
 
 @ti.func
 def distance2(wake: View, b, i, y, z):
-    """Square of the distance of a vortex from a place, m2."""
+    """Squared distance of a vortex from a point, m2."""
     return (wake.vortex[b, Y, i] - y) ** 2 + (wake.vortex[b, Z, i] - z) ** 2
 
 
 @ti.func
 def choose(wake: View, b, y, z):
-    """Order of the vortex to absorb; -1 if none can be."""
+    """Order of the vortex to absorb; -1 if none is possible."""
     chosen = -1
     least = FAR
     for order in range(1, wake.ring[b, COUNT] - 1):
@@ -124,7 +124,7 @@ def choose(wake: View, b, y, z):
             _, _, _, q_y, q_z, possible = merger(wake, b, i, a, c)
             r2 = distance2(wake, b, i, y, z)
             if is_list(wake, b):
-                # Merging has put neighbours far apart: one may be near the wing.
+                # After merging, neighbours may be far apart, and one may be near the wing.
                 r2 = ti.min(r2, distance2(wake, b, a, y, z), distance2(wake, b, c, y, z))
             cost = ti.sqrt((q_y * q_y + q_z * q_z) / r2) / r2
             if r2 < wake.setting[b, ABSORB_BEYOND] ** 2:
@@ -136,10 +136,10 @@ def choose(wake: View, b, y, z):
 
 @ti.func
 def make_room(wake: View, b, n, y, z, used: View):
-    """See to it that there is room for what step `n` sheds: for one vortex in the oldest place of a full ring.
+    """Make room for the vortices shed at step `n`; in a full ring, at the position of the oldest.
 
-    (y, z) is a place on the wing. The velocity that is lost there, m/s, adds to what was lost before, which fades over
-    a beat as the wake moves away. The kernel holds the absorbing and the lists only where a case needs them.
+    (y, z) is a point on the wing. The velocity lost there, m/s, is added to earlier losses, which decay over a beat as
+    the wake moves away. The kernel contains absorption and lists only if a case needs them.
     """
     listed = False
     if ti.static(used.listing):
@@ -171,13 +171,13 @@ def make_room(wake: View, b, n, y, z, used: View):
 
 @ti.func
 def is_list(wake: View, b):
-    """Whether a wake is a list, see above."""
+    """Whether a wake is a list instead of a ring."""
     return wake.setting[b, SHED_A_STEP] > 1.0 or wake.setting[b, MERGES] > 0.0
 
 
 @ti.func
 def shorten(wake: View, b, y, z, used: View):
-    """Take one vortex from a full list: absorbed by its neighbours, or the oldest for good."""
+    """Remove one vortex from a full list: one that its neighbours absorb, or the oldest."""
     order = 0
     lost_y, lost_z = loss_of_oldest(wake, b, y, z)
     dropped = wake.vortex[b, CIRCULATION, 0]
@@ -198,12 +198,12 @@ def shorten(wake: View, b, y, z, used: View):
 
 @ti.func
 def merge(wake: View, b, n, y, z):
-    """Merge neighbours of one sheet and one sign, far from the place (y, z) on the wing, each at most once.
+    """Merge neighbours of the same sheet and sign, far from the point (y, z) on the wing, each at most once.
 
-    Circulation and its centroid hold, hence circulation and impulse of the wake.
+    Circulation and its centroid are conserved, and hence the circulation and impulse of the wake.
     """
     kept = 0
-    last = ti.Vector([-1, -1])  # place of the last vortex kept of each edge, unless it has just been merged
+    last = ti.Vector([-1, -1])  # index of the last vortex kept from each edge, unless it has just been merged
     for i in range(wake.ring[b, COUNT]):
         edge = wake.edge[b, i]
         other = last[TRAILING]
@@ -229,7 +229,7 @@ def merge(wake: View, b, n, y, z):
 
 @ti.func
 def merging_costs(wake: View, b, i, a, y, z):
-    """Velocity (m/s) that merging two vortices changes at (y, z); without bound near the wing, or of unlike signs."""
+    """Change of the velocity (m/s) at (y, z) if two vortices merge; infinite near the wing or for opposite signs."""
     gamma_i, gamma_a = wake.vortex[b, CIRCULATION, i], wake.vortex[b, CIRCULATION, a]
     nearest2 = ti.min(distance2(wake, b, i, y, z), distance2(wake, b, a, y, z))
     cost = FAR
@@ -242,7 +242,7 @@ def merging_costs(wake: View, b, i, a, y, z):
 
 @ti.func
 def blend(wake: View, b, i, a):
-    """Put two vortices together at the place of one of them, `a`; the core is the larger."""
+    """Merge vortex `i` into `a`, at the centroid; the larger core is kept."""
     gamma = wake.vortex[b, CIRCULATION, i] + wake.vortex[b, CIRCULATION, a]
     share = wake.vortex[b, CIRCULATION, i] / gamma
     for axis in range(2):
@@ -262,7 +262,7 @@ def velocity_of(wake: View, b, place, gamma, dy, dz):
 
 @ti.func
 def loss_of_oldest(wake: View, b, y, z):
-    """Velocity of the oldest vortex at (y, z)."""
+    """Velocity induced by the oldest vortex at (y, z)."""
     i = place_of(wake, b, 0)
     gamma = wake.vortex[b, CIRCULATION, i]
     return velocity_of(wake, b, i, gamma, y - wake.vortex[b, Y, i], z - wake.vortex[b, Z, i])
@@ -270,7 +270,7 @@ def loss_of_oldest(wake: View, b, y, z):
 
 @ti.func
 def loss_of_merger(wake: View, b, order, y, z):
-    """Change of the velocity at (y, z): of the three vortices before, less that of the two after."""
+    """Change of the velocity at (y, z) by an absorption: three vortices before minus two after."""
     i, a, c = sheet_around(wake, b, order)
     share, move_y, move_z, _, _, _ = merger(wake, b, i, a, c)
     gamma = wake.vortex[b, CIRCULATION, i]
@@ -291,7 +291,7 @@ def loss_of_merger(wake: View, b, order, y, z):
 
 @ti.func
 def stronger_is_earlier(wake: View, b, i, a, c, share):
-    """Whether, of the neighbours of a vortex, the one shed earlier is the stronger once they share it."""
+    """Whether the earlier of a vortex's neighbours is the stronger after absorbing it."""
     gamma = wake.vortex[b, CIRCULATION, i]
     earlier = wake.vortex[b, CIRCULATION, a] + share * gamma
     later = wake.vortex[b, CIRCULATION, c] + (1.0 - share) * gamma
@@ -300,7 +300,7 @@ def stronger_is_earlier(wake: View, b, i, a, c, share):
 
 @ti.func
 def absorb(wake: View, b, order):
-    """Let the neighbours of a vortex take it up; it is then to be removed."""
+    """Let the neighbours absorb a vortex, which the caller then removes."""
     i, a, c = sheet_around(wake, b, order)
     share, move_y, move_z, _, _, _ = merger(wake, b, i, a, c)
     gamma = wake.vortex[b, CIRCULATION, i]

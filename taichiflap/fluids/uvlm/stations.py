@@ -1,4 +1,4 @@
-"""Where the parts of a lattice sit along the chord (ends of panels, bound vortices, control points); the modes there.
+"""Chordwise positions of panel ends, bound vortices and control points, and the modes there.
 
 - Uniform: equal, straight panels between points of the camber line, the bound vortex at 1/4 of each and the control
   point at 3/4 (Reade & Jankauski 2020, Table 4).
@@ -22,17 +22,17 @@ Sampler = Callable[[Array], Array]
 """Values of every mode at positions along the chord, shape (modes, positions)."""
 
 TO_VORTEX, TO_POINT = 0.25, 0.75
-"""Bound vortex and control point along a uniform panel."""
+"""Position of the bound vortex and the control point on a uniform panel."""
 SHARE = {"uniform": 0.25, "cosine": 0.30}
-"""Where the local rule puts the new vortex on the trailing edge's path through the fluid during a step."""
+"""Position of a new vortex on the trailing edge's path through the fluid during a step, by the local rule."""
 
 BLASIUS = 0.664
-"""Mean friction of one side of a plate in a laminar boundary layer, over `rho U^2 Re^-1/2`."""
+"""Mean friction of one side of a plate with a laminar boundary layer, in `rho U^2 Re^-1/2`."""
 
 NODE, VORTEX, POINT, ACT, AHEAD, BEHIND, VORTEX_SLOPE, POINT_SLOPE, EDGE_SLOPE = range(9)
-"""Tables of a mode, one value a node or panel: its values at the nodes, the vortices, the points and where a panel's
-steady force acts; its integrals over the panel ahead of and behind the step of potential; its slopes at the vortices,
-at the points, and (one value) at the leading edge."""
+"""Tables of a mode, one value per node or panel: its values at the nodes, the vortices, the control points and the
+points of action of the steady force; its integrals over the panel ahead of and behind the step of potential; its slopes
+at the vortices, at the points, and (one value) at the leading edge."""
 TABLES = 9
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -48,7 +48,7 @@ class Stations:
 
 
 def stations(case: Case) -> Stations:
-    """Where a case's lattice sits."""
+    """Positions of a case's lattice."""
     panels, chord = case.uvlm.panels, case.wing.chord
     number, ahead = np.arange(panels + 1), case.wing.pivot * chord
     if case.uvlm.spacing == "cosine":
@@ -100,7 +100,7 @@ def _integral(shape: Sampler, left: Array, right: Array) -> Array:
 
 
 def edge_factor(case: Case) -> float:
-    """Through-flow that the lattice of a flat plate in a unit normal stream leaves at its leading edge.
+    """Flow through the leading edge of the lattice of a flat plate in a unit normal stream.
 
     It measures the singularity there (Lan 1974): 2 N for cosine spacing; for uniform panels, whose through-flow is the
     rational function `prod (x - point)/(x - vortex)`, its value one quarter panel ahead of the first vortex.
@@ -112,7 +112,7 @@ def edge_factor(case: Case) -> float:
 
 
 def suction_factor(case: Case) -> float:
-    """Suction at the leading edge over the square of the through-flow there, N s2/m2.
+    """Ratio of the leading-edge suction to the square of the through-flow there, N s2/m2.
 
     With `gamma = C / sqrt(x)` near the edge the suction is `pi rho C^2 / 4` a unit span; a flat plate in a unit normal
     stream has `C^2 = 4 c` and the through-flow of `edge_factor`.
@@ -122,12 +122,12 @@ def suction_factor(case: Case) -> float:
 
 
 def friction_factor(case: Case) -> float:
-    """Laminar friction of a plate's side over its area and the power 1.5 of the speed along it (Blasius 1908)."""
+    """Laminar friction of one side of a plate per area and speed to the power 1.5 (Blasius 1908)."""
     return BLASIUS * case.fluid.density * float(np.sqrt((case.fluid.viscosity or 0.0) / case.wing.chord))
 
 
 def ring_size(case: Case) -> int:
-    """Number of vortices that a case's wake can hold: never more than it will shed."""
+    """Capacity of a case's wake, at most the number of vortices it sheds."""
     shed = shed_a_step(case) * (case.steps + 1)
     return shed if case.uvlm.wake == "all" else min(case.uvlm.wake, shed)
 
@@ -138,20 +138,20 @@ def sheds(case: Case) -> bool:
 
 
 def has_edge(case: Case) -> bool:
-    """Whether the flow around a case's leading edge is measured."""
+    """Whether a case computes the flow around its leading edge."""
     return case.uvlm.suction or sheds(case)
 
 
 def shed_a_step(case: Case) -> int:
-    """Vortices that a step sheds at most: one, or one from each edge."""
+    """Maximum number of vortices shed per step: one, or one from each edge."""
     return 2 if sheds(case) else 1
 
 
 def absorbs(case: Case) -> bool:
-    """Whether a case's wake may get full, and then absorbs."""
+    """Whether a case's wake can get full and then absorbs vortices."""
     return case.uvlm.old_wake == "absorb" and ring_size(case) < shed_a_step(case) * (case.steps + 1)
 
 
 def is_listed(case: Case) -> bool:
-    """Whether a case's wake is a list and no ring, see `taichiflap.fluids.uvlm.merging`."""
+    """Whether a case's wake is a list instead of a ring, see `taichiflap.fluids.uvlm.merging`."""
     return sheds(case) or case.uvlm.merge_error > 0.0

@@ -1,7 +1,7 @@
-"""The flow along the wing that its loads take: past the panels, and around the leading edge.
+"""Tangential velocity along the wing for the loads, and leading-edge suction.
 
-Reade & Jankauski (2020), Eq. 33, with what the bound vortices of a bent wing add; all at the modal rates that are
-expected before the step's acceleration is known. The suction at the leading edge is Lan's (1974).
+Reade & Jankauski (2020), Eq. 33, with the contribution of the bound vortices of a bent wing; all at the predicted modal
+rates. Leading-edge suction follows Lan (1974).
 """
 
 from ...kernels.runtime import Octet, View, ti
@@ -36,7 +36,7 @@ from .wake import COUNT, YOUNGEST, YOUNGEST_LEADING
 
 @ti.func
 def new_circulation(body: View, flow: View, b):
-    """Circulation of the new vortex at the expected modal rates (Kelvin)."""
+    """Circulation of the new vortex at the predicted modal rates (Kelvin)."""
     new = flow.scalar[b, TOTAL]
     for i in range(flow.size[b, PANELS]):
         new -= circulation_at(body, flow, body.q_predicted, b, i)
@@ -45,9 +45,9 @@ def new_circulation(body: View, flow: View, b):
 
 @ti.func
 def past_points(body: View, flow: View, b, n):
-    """Tangential velocity `(V - Rdot) . tau` at the control points (Eq. 33), at the expected modal rates.
+    """Tangential velocity `(V - Rdot) . tau` at the control points (Eq. 33), at the predicted modal rates.
 
-    V holds the stream and the wake, as the paper's does, but not what the bound vortices of a bent wing add.
+    As in the paper, V includes the stream and the wake but not the bound vortices of a bent wing.
     """
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.constant, b, n)
@@ -61,7 +61,7 @@ def past_points(body: View, flow: View, b, n):
 
 @ti.func
 def expect_circulation(body: View, flow: View, wakes: View, b):
-    """Give the bound vortices and the new ones the circulation of the expected modal rates."""
+    """Set the circulation of the bound and the new vortices at the predicted modal rates."""
     for i in range(flow.size[b, PANELS]):
         flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_predicted, b, i)
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = new_circulation(body, flow, b)
@@ -71,7 +71,7 @@ def expect_circulation(body: View, flow: View, wakes: View, b):
 
 @ti.func
 def induced(flow: View, wakes: View, y, z, b):
-    """Velocity at eight places (Y, Z) from the wake, a gust, and all bound vortices but one that stands there."""
+    """Velocity at eight points (Y, Z) from the wake, a gust, and all bound vortices except one at the point itself."""
     w_y, w_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
     b_y, b_z = induce(y, z, TINY, flow.bound, b, 0, flow.size[b, PANELS])
     g_y, g_z = gust_at_octet(flow.stream, b, y, z)
@@ -80,10 +80,10 @@ def induced(flow: View, wakes: View, y, z, b):
 
 @ti.func
 def past_vortices(body: View, flow: View, wakes: View, b, n):
-    """Tangential velocity at the bound vortices, with that of all other vortices, at the expected modal rates.
+    """Tangential velocity at the bound vortices, including all other vortices, at the predicted modal rates.
 
-    A vortex stands for a piece of a sheet, which where it is bent moves itself along at
-    `Gamma kappa/(4 pi)`, kappa its curvature.
+    A vortex represents a piece of a vortex sheet. A curved sheet induces the tangential velocity `Gamma kappa/(4 pi)`
+    on itself, with the curvature kappa.
     """
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.constant, b, n)
@@ -108,9 +108,9 @@ def past_vortices(body: View, flow: View, wakes: View, b, n):
 def friction(flow: View, b, bound):
     """Laminar friction of both sides: its force along e_y and its moment about the pivot.
 
-    Each side has its own mean speed, that past the panels and half the mean strength of the bound sheet on top or off;
-    a plate's boundary layer of that speed gives its friction (Blasius), along the chord wherever the wing is bent, so
-    that it does no work on the modes. The speed is that at the expected modal rates.
+    The mean speed of each side is the mean tangential velocity plus or minus half the mean strength of the bound sheet.
+    Friction is that of a plate's boundary layer at this speed (Blasius). It acts along the chord even if the wing is
+    bent, so that it does no work on the modes. Speeds are those at the predicted modal rates.
 
     Args:
         bound: total bound circulation, m2/s.
@@ -133,10 +133,10 @@ def friction(flow: View, b, bound):
 
 @ti.func
 def leading_edge_suction(body: View, flow: View, wakes: View, b, n):
-    """Suction at the leading edge, along its tangent: from the flow through the lattice there, as expected.
+    """Leading-edge suction along the tangent, from the predicted flow through the lattice there.
 
-    Lan (1974): the lattice closes the wing at its control points alone, and what it lets through at the leading edge
-    is proportional to the strength of the singularity of the flow around it.
+    Lan (1974): the lattice satisfies no penetration only at its control points, and the flow through the leading edge
+    is proportional to the strength of the singularity there.
     """
     slope = deflect(flow, body.q_predicted, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
     stretch = ti.sqrt(1.0 + slope * slope)
@@ -153,7 +153,7 @@ def leading_edge_suction(body: View, flow: View, wakes: View, b, n):
     u_z -= deflect(flow, body.q_predicted, b, RATE, NODE, 0, body.modes[b])
     through = (u_z - slope * u_y) / stretch
     if flow.scalar[b, SHEDS] > 0.0:
-        # Its limit to the last bit, at which the vortex that it sheds holds it.
+        # Set exactly to the limit, which the shed vortex enforces.
         at_limit = flow.constant[b, EDGE_FACTOR] * flow.constant[b, SUCTION_LIMIT]
         flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * at_limit * at_limit
     else:

@@ -1,8 +1,7 @@
-"""The free wake: a ring of point vortices per case, shed at the edges of the wing and carried by the flow.
+"""The free wake: point vortices in a ring buffer, shed from the edges of the wing and convected by the flow.
 
-Reade & Jankauski (2020), Eqs 29 and 32 (whose wake sum runs over the wake, not over the panels). Vortices never
-change strength, unless two are merged or a full ring absorbs one (`merging`) instead of giving up its oldest for the
-new one.
+Reade & Jankauski (2020), Eqs 29 and 32 (whose wake sum should run over the wake instead of the panels). The strength of
+a vortex changes only by merging and absorption (`merging`).
 """
 
 import math
@@ -30,42 +29,44 @@ from ...vortex.sum import (
 from .stations import SHARE, ring_size, shed_a_step
 
 LEAST_TRAVEL = 2e-4
-"""Least distance, in chords, of a new vortex behind the trailing edge: at stroke reversal the travel vanishes."""
+"""Minimum distance, in chords, of a new vortex behind the trailing edge; the travel vanishes at stroke reversal."""
 
 TRAILING, LEADING = range(2)
-"""The edge that a vortex was shed from."""
+"""Edge from which a vortex was shed."""
 
 MERGE_FROM = 1.5
-"""Distance, in chords, from the middle of the wing within which no vortices are merged."""
+"""Minimum distance from mid-chord, in chords, at which vortices may merge."""
 
 CAPACITY, COUNT, OLDEST, YOUNGEST, CARRIED, CROSSINGS, YOUNGEST_LEADING = range(7)
-"""Entries of a ring: its size, how many vortices it holds, the places of the first shed and of the last from the
-trailing edge, the step for which the velocities are known beforehand, how often a vortex has come upon the wing, and
-the place of the last shed from the leading edge."""
+"""Entries of a ring: capacity, number of vortices, indices of the oldest vortex and of the youngest from the trailing
+edge, step for which velocities are computed already, number of wake-wing crossings, and index of the youngest vortex
+from the leading edge.
+"""
 
 (ALONG_PATH, DISTANCE, AB2, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, DECAY, REFLECTS, SINGLE, SHED_A_STEP, MERGES,
  MERGE_BEYOND, SPREAD) = range(14)  # fmt: skip
-"""Settings of a wake: where new vortices stand on the trailing edge's path during a step (0: at a fixed distance);
-that distance, m, or the least travel; how much of the change of a velocity since the last step is added to it
-(Adams-Bashforth: 1/2; Euler: 0); full core, m; what a core gains per distance moved (0: full from the start);
-whether a full ring absorbs (1) or drops (0); how near to the wing that is avoided, m; what is left after a step of what
-was lost; whether the wing keeps vortices on their side (1); whether pairs are summed in single precision (1); how many
-vortices are shed in a step at most; velocity that merging two may change at the wing, m/s (0: none are merged), and how
-near to its middle none are, m; what viscosity adds to a squared core in a step, m2."""
+"""Settings of a wake: position of new vortices on the trailing edge's path (0: at a fixed distance); that distance, or
+the minimum distance, m; weight of the velocity change in convection (Adams-Bashforth: 1/2; Euler: 0); full core, m;
+core growth per distance moved (0: full at once); 1 if a full ring absorbs, 0 if it drops; distance from the wing within
+which absorption is avoided, m; decay of the lost velocity per step; 1 if crossing vortices are reflected; 1 for pair
+sums in single precision; maximum number of vortices shed per step; allowed velocity change of merging, m/s (0: no
+merging), and minimum distance from mid-chord for merging, m; increase of the squared core by viscosity per step, m2.
+"""
 DROPPED, FAR_ERROR = 2, 3
-"""Columns of the tally, after the velocity at the wing of what was dropped or absorbed, m/s, along Y and Z: circulation
-of the vortices given up, m2/s, and the largest error found in a far sum, m/s."""
+"""Columns of `tally` after the velocity lost at the wing by dropping and absorption, along Y and Z, m/s: circulation of
+the dropped vortices, m2/s, and largest error of a far sum, m/s.
+"""
 HEIGHT = 4
-"""Row of a wake's vortices after those of `taichiflap.vortex`."""
+"""Row of a wake's vortices, after those of `taichiflap.vortex`: height above the wing."""
 BEFORE = 2
 """First row of the velocities one step earlier."""
 
 Wake = ti.types.argpack(
     ring=Ints2,
     setting=Floats2,  # (case, 14), see the names of its columns
-    vortex=Floats3,  # (case, 5, place), see taichiflap.vortex; and how far above the wing it stands, m (0: beside it)
-    velocity=Floats3,  # (case, 4, place): that of the vortices now, and that with which they moved last
-    single=Singles3,  # (case, 4, index): bound vortices and then the wake's, where pairs are summed in single precision
+    vortex=Floats3,  # (case, 5, index), see taichiflap.vortex; and height above the wing, m (0: beyond the edges)
+    velocity=Floats3,  # (case, 4, index): current velocity, and velocity of the previous step
+    single=Singles3,  # (case, 4, index): bound vortices and then the wake's, for sums in single precision
     birth=Ints2,  # step of shedding
     edge=Ints2,  # TRAILING or LEADING
     tally=Floats2,
@@ -77,7 +78,7 @@ def allocate(cases: Sequence[Case]) -> Any:
     keep = [ring_size(case) for case in cases]
     single = any(case.uvlm.precision == "single" for case in cases)
     panels = max(case.uvlm.panels for case in cases)
-    # Sums fill eight places at a time, or sixteen.
+    # Sums process eight or sixteen entries at a time.
     count, most = len(cases), 16 * -(-max(keep) // 16)
     return Wake(
         ring=array([[size, 0, 0, 0, 0, 0, 0] for size in keep]),
@@ -114,7 +115,7 @@ def _settings(case: Case) -> list[float]:
 
 @ti.func
 def shed(wake: View, b, n, edge, y, z):
-    """Put a vortex of no circulation yet at (y, z), in a free place or in that of the oldest."""
+    """Add a vortex at (y, z), with zero circulation so far, at a free index or in place of the oldest."""
     place = wake.ring[b, COUNT]
     if place < wake.ring[b, CAPACITY]:
         wake.ring[b, COUNT] = place + 1
@@ -138,7 +139,7 @@ def shed(wake: View, b, n, edge, y, z):
 
 @ti.func
 def core2_at_birth(wake: View, b):
-    """Squared core of a vortex that has not moved yet, m2."""
+    """Initial squared core of a vortex, m2."""
     core = wake.setting[b, CORE]
     if wake.setting[b, GROWTH] > 0.0:
         core = 0.0
@@ -147,7 +148,7 @@ def core2_at_birth(wake: View, b):
 
 @ti.func
 def move(wake: View, b, source, to):
-    """Put the vortex at one place at another."""
+    """Move a vortex from one index to another."""
     for row in range(HEIGHT + 1):
         wake.vortex[b, row, to] = wake.vortex[b, row, source]
     for row in range(4):
@@ -162,7 +163,7 @@ def move(wake: View, b, source, to):
 
 @ti.func
 def carry(wake: View, bound: View, panels, stream: View, b, first):
-    """Velocity of eight wake vortices from place `first` on, from all vortices and the free stream (Eq. 32)."""
+    """Velocity of eight wake vortices, starting at index `first`, due to all vortices and the free stream (Eq. 32)."""
     y = octet(wake.vortex, b, Y, first)
     z = octet(wake.vortex, b, Z, first)
     core2 = octet(wake.vortex, b, CORE2, first) + TINY
@@ -174,7 +175,7 @@ def carry(wake: View, bound: View, panels, stream: View, b, first):
 
 @ti.func
 def narrow(wake: View, bound: View, panels, b):
-    """Copy the bound vortices and the wake's to where they are summed in single precision."""
+    """Copy the bound and wake vortices to single precision."""
     for row in range(CORE2 + 1):
         for i in range(panels):
             wake.single[b, row, i] = ti.cast(bound[b, row, i], ti.f32)
@@ -196,7 +197,7 @@ def carry_single(wake: View, panels, stream: View, b, first):
 
 @ti.func
 def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
-    """Velocity of all wake vortices; the kernel holds the sums in single precision only where a case wants them."""
+    """Velocity of all wake vortices; the kernel contains sums in single precision only if a case needs them."""
     count = wake.ring[b, COUNT]
     if wake.setting[b, SINGLE] > 0.0:
         if ti.static(single):
@@ -210,9 +211,9 @@ def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
 
 @ti.func
 def convect(wake: View, bound: View, panels, stream: View, gust: View, b, n, dt, single: View):
-    """Carry every wake vortex from step `n - 1` to `n`.
+    """Convect every wake vortex from step `n - 1` to `n`.
 
-    A vortex just shed has no velocity of an earlier step: it takes Euler's step, once.
+    A new vortex has no previous velocity, so its first step is an Euler step.
     """
     count = wake.ring[b, COUNT]
     if wake.ring[b, CARRIED] != n:
@@ -238,10 +239,10 @@ def convect(wake: View, bound: View, panels, stream: View, gust: View, b, n, dt,
 
 @ti.func
 def grow_core(wake: View, b, i, moved, spread):
-    """Let the core of a vortex that has moved by a distance grow, up to its full size, and viscosity spread it.
+    """Let the core of a vortex grow with the distance moved, up to its full size, and by viscosity.
 
-    A full core beside the edge would blur the Kutta condition there. Viscosity adds `4 nu dt` to the squared core in a
-    step (Lamb and Oseen), beyond its full size too.
+    A full core next to the edge would smear the Kutta condition. Viscosity adds `4 nu dt` to the squared core per step
+    (Lamb-Oseen), even beyond the full size.
     """
     full = wake.setting[b, CORE]
     gain = wake.setting[b, GROWTH]

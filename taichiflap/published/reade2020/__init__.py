@@ -1,1 +1,1 @@
-"""The founding paper redone: Reade & Jankauski (2020), statement by statement."""
+"""Reproduction of Reade & Jankauski (2020), statement by statement."""

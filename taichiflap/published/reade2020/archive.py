@@ -1,6 +1,6 @@
-"""The data behind a study's report: one HDF5 file with a group a run.
+"""Data of the report: one HDF5 file with one group per run.
 
-A writer of its own beside `taichiflap.results`: it holds statistics and last beats of many runs, no result.
+It is separate from `taichiflap.results`, since it stores statistics and last beats of many runs.
 """
 
 from pathlib import Path
@@ -18,10 +18,10 @@ def write(path: Path, runs: Runs, attributes: dict[str, float]) -> None:
     """Write every run: its case, the means and spreads over settled beats, and the last beat.
 
     Args:
-        attributes: what else to remember about the study, as attributes of the root.
+        attributes: further attributes of the study, stored at the root.
 
     Raises:
-        OutputError: when the system refuses.
+        OutputError: if the file cannot be written.
     """
     with files.standing_in(path) as draft, h5py.File(draft, "w") as file:
         file.attrs.update({"source": f"taichiflap {__version__}", "title": "the paper reproduced", **attributes})

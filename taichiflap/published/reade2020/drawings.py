@@ -1,4 +1,4 @@
-"""Figures of the reproduction, on the paper's axes: its numbers' and plots' own ranges and origin of time."""
+"""Figures of the reproduction, with the ranges and the origin of time of the paper's plots."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -36,7 +36,7 @@ def draw(settings: Settings, runs: Runs, folder: Path, progress: Progress | None
     """Write every figure into a folder as PNG and SVG.
 
     Raises:
-        OutputError: when the system refuses.
+        OutputError: if a file cannot be written.
     """
     with mpl.rc_context(_STYLE):
         for number, (name, figure) in enumerate(_figures(settings, runs)):

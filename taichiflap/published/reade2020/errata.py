@@ -1,4 +1,4 @@
-"""The misprints and gaps of the paper's text, and what comes of taking each at its word, measured where it can be."""
+"""Misprints and gaps of the paper's text, with the measured effect of taking each literally."""
 
 from dataclasses import dataclass
 
@@ -16,10 +16,10 @@ from .verdict import mean_force
 
 @dataclass(frozen=True)
 class Erratum:
-    """A place of the paper, what it says, what is right, and the effect of taking it literally.
+    """A misprint: its place, the printed and the correct form, and the effect of taking it literally.
 
     Attributes:
-        how: `run`, `post-processed` (forces from the stored motion, which stays as it was) or `NumPy` (a run of
+        how: `run`, `post-processed` (forces computed again from the stored motion) or `NumPy` (a run of
             `rigid_lattice`, which has the misprint as an option).
     """
 

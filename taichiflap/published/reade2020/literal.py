@@ -1,4 +1,4 @@
-"""Misprints of the paper taken at their word on the stored motion of a run: forces change, the wing does not."""
+"""Misprints of the paper taken literally: forces are computed again from the stored motion of a run."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 class Blades:
     """Quasi-steady forces of blade elements, shape (frames,), N: `normal` along e_z, `axial` along e_y.
 
-    `backward` is the share of time and chord where the chordwise speed is negative.
+    `backward` is the share of time and chord with negative chordwise speed.
     """
 
     normal: Array
@@ -80,7 +80,7 @@ def _velocities(case: Case, result: Result, frames: slice) -> tuple[Array, Array
 
 
 def whole_panels(result: Result) -> tuple[complex, complex]:
-    """First harmonic of a UVLM run's normal force, N, as Eq. 33 is printed and as it is meant.
+    """First harmonic of a UVLM run's normal force, N, with Eq. 33 as printed and as corrected.
 
     The potential jumps by a panel's circulation at its vortex, at a quarter, so that three quarters of the panel
     carry it; the running sum gives it to the whole panel.

@@ -1,4 +1,4 @@
-"""What a study keeps of a run: its statistics, harmonics, and its last beat. The run itself is let go."""
+"""Stored data of a run: statistics, harmonics and the last beat."""
 
 import contextlib
 import math
@@ -20,7 +20,7 @@ from ...run.blocks import simulate
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
-"""Called with the share of the work done, 0 to 1."""
+"""Callback of the fraction of the work done, 0 to 1."""
 
 SERIES = (
     "tip_deflection",
@@ -33,11 +33,11 @@ SERIES = (
     "power_aerodynamic",
     "power_inertial",
 )
-"""Variables of which the last beat is kept."""
+"""Variables whose last beat is stored."""
 
 
 class StudyError(UserError):
-    """A case of a study that did not come to its end."""
+    """Raised if a case of the study failed."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Measured:
     Attributes:
         case: what was run.
         summary: statistics over the settled beats.
-        solve_time: seconds of marching, kernels compiled.
+        solve_time: time of marching, s, without compilation.
         time: t/T within the last beat, in (0, 1], shape (frames,).
         beat: the last beat of every name in `SERIES`, shape (frames,).
         first, third: complex amplitude of the first and third harmonic of each, over the settled beats.
@@ -67,7 +67,7 @@ class Measured:
         return self.beat["force_normal"] - self.beat["force_normal_unsteady"]
 
     def phase(self, name: str, other: "Measured", own: complex | None = None) -> float:
-        """Degrees by which the first harmonic leads the other run's, in (-180, 180]; `own` stands in for this one's."""
+        """Phase lead of the first harmonic over the other run's, degrees in (-180, 180]; `own` replaces this run's."""
         ratio = (self.first[name] if own is None else own) / other.first[name]
         return round(math.degrees(math.atan2(ratio.imag, ratio.real)), 9) + 0.0
 
@@ -85,7 +85,7 @@ def measure(result: Result) -> Measured:
     """The numbers of a run.
 
     Raises:
-        StudyError: when the run failed, or has no whole beat.
+        StudyError: if the run failed, or has no whole beat.
     """
     case, summary = result.case, summarise(result)
     if result.status != "complete" or summary is None:
@@ -109,7 +109,7 @@ def run(cases: Sequence[Case], progress: Progress | None = None, threads: int | 
     """Compute cases of one solver side by side and measure them.
 
     Raises:
-        StudyError: when one of them failed.
+        StudyError: if one of them failed.
     """
     tell = None if progress is None else lambda done, total: progress(done / total)
     results = simulate(cases, threads=threads, progress=tell)
@@ -121,7 +121,7 @@ def run(cases: Sequence[Case], progress: Progress | None = None, threads: int | 
 
 
 def machine() -> str:
-    """The processor, in its maker's words."""
+    """Name of the processor."""
     with contextlib.suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
             if line.startswith("model name"):
@@ -130,5 +130,5 @@ def machine() -> str:
 
 
 def work(cases: Sequence[Case]) -> float:
-    """Rough cost of computing cases, pair interactions."""
+    """Approximate cost of computing cases, in pair interactions."""
     return sum(fluids.load(case.solver).work(case, case.steps // 2) * case.steps for case in cases)

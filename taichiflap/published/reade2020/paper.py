@@ -1,6 +1,6 @@
-"""Reade & Jankauski (2020), ASME IDETC DETC2020-22638: the numbers that they print, and their cases.
+"""Reade & Jankauski (2020), ASME IDETC DETC2020-22638: printed numbers and cases.
 
-Tables 1 to 4 give the cases; what the tables leave out or misprint is read as the errata of `studies.errata` say.
+Tables 1 to 4 define the cases; gaps and misprints are corrected as listed in `errata`.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ GAIN = {"dbet": 0.07, "uvlm": 1.16}
 TIP = 7.5e-3
 """Largest tip deflection of both models, m."""
 TIP_TIME = 0.33
-"""When, as t/T in the paper's plots."""
+"""Time of the peak, as t/T in the paper's plots."""
 FORCE_LAG = 18.0
 """Degrees by which the DBET normal force of the flexible wing lags the UVLM one."""
 SOLVE_TIME = {"dbet": 2.95, "uvlm": 46.81}
@@ -83,7 +83,7 @@ class Settings:
         elements: numbers of blade elements of Fig. 4; the last one stands for the converged solution.
         panels: numbers of panels of Fig. 5; the last one stands for the converged solution.
         wakes: numbers of wake vortices of Fig. 5; its last one stands for the converged solution.
-        long_wakes: and on.
+        long_wakes: longer wakes.
         modes: numbers of elastic modes.
         densities: densities of the fluid, kg/m3.
     """

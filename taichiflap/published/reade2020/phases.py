@@ -1,4 +1,5 @@
-"""Verdicts on phases and third harmonics, and the search for one setting of DBET that gives all that is printed."""
+"""Verdicts on phases and third harmonics, and the search for a single DBET setting that agrees with all of the "
+"paper."""
 
 import math
 from collections.abc import Iterator
@@ -13,11 +14,11 @@ from .verdict import CLOSE, DEFINITIONS, Verdict
 
 NORMAL, TIP = "force_normal", "tip_deflection"
 NEAR_PHASE = 5.0
-"""Degrees within which a phase is called the paper's."""
+"""Tolerance of a phase, degrees."""
 NEAR_TIME = 0.01
-"""Beats within which the time of the peak is."""
+"""Tolerance of the time of the peak, beats."""
 NEAR_FORCE, NEAR_GAIN = 0.05, 0.02
-"""Shares within which a mean force, and its gain by flexibility, are."""
+"""Relative tolerances of a mean force, and of its gain by flexibility."""
 
 SETTINGS: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
     ("as the tables say", (), ()),
@@ -37,7 +38,7 @@ def verdicts(runs: Runs) -> list[Verdict]:
 
 
 def _lag(run: Measured, lattice: Measured) -> float:
-    """Degrees by which a run's normal force lags another's."""
+    """Phase lag of a run's normal force relative to another's, degrees."""
     return -run.phase(NORMAL, lattice)
 
 
@@ -103,7 +104,7 @@ def _third(runs: Runs) -> Verdict:
 
 
 def _whole(runs: Runs) -> Verdict:
-    """The setting of DBET that agrees with most of what the paper prints, and what it misses."""
+    """The DBET setting that agrees with most statements of the paper, and the statements it misses."""
     scores = [
         (name, definition, list(_statements(runs, flexible, rigid, definition)))
         for name, flexible, rigid in SETTINGS

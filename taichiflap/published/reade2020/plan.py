@@ -1,4 +1,4 @@
-"""The cases of the reproduction, each under a key: its solver and what differs from the paper's case."""
+"""The cases of the reproduction by key: solver and differences from the paper's case."""
 
 from collections.abc import Callable, Iterator
 
@@ -15,7 +15,7 @@ NO_ADDED_MASS = "dbet.added_mass=false"
 UNDAMPED = "wing.damping_ratio=0"
 TRUNCATED = "dbet.speed=truncated"
 ROW = (NO_ADDED_MASS, f"fluid.density={DENSITY_OF_THE_ROW}")
-"""DBET without added mass, in the density at which its mean forces are the paper's."""
+"""DBET without added mass, at the density that gives the paper's mean forces."""
 C_FOR_H = f"fluid.density={AIR * 0.4:.4g}"
 """The UVLM force with c = 2 cm in the place of h = 5 cm: the force is linear in a density that the flow ignores."""
 MICROGRAMS = "wing.density=1.0"
@@ -25,9 +25,9 @@ IN_PHASE = LATE[0]
 """The plunge of the paper's plots with the pitch of Table 2."""
 TRIALS = 3
 BATCH = 12
-"""Cases marched side by side, that their results fit in memory."""
+"""Number of cases per batch, so that their results fit in memory."""
 LONG = 300
-"""Wake vortices of a run of which every fourth step is enough."""
+"""Number of wake vortices from which only every fourth step is stored."""
 PAPERS = {"wing.modes=1", f"fluid.density={AIR}", "dbet.elements=50", "uvlm.panels=50", "uvlm.wake=200"}
 """Overrides that change nothing."""
 
@@ -74,7 +74,7 @@ def keys(settings: Settings) -> list[Key]:
 
 
 def case(settings: Settings, wanted: Key) -> Case:
-    """The case of a key. A sweep of wakes keeps every second or fourth step: its results are held in memory."""
+    """The case of a key. Studies of wakes store every second or fourth step, since results are kept in memory."""
     planned = paper.case(settings, *wanted)
     if planned.solver == "dbet" or set(wanted[1:]) <= {RIGID}:
         return planned
@@ -98,7 +98,7 @@ def compute(settings: Settings, progress: Callable[[float], None] | None = None)
     """Run every case.
 
     Raises:
-        StudyError: when one of them failed.
+        StudyError: if one of them failed.
     """
     runs: Runs = {}
     parts = list(batches(settings))

@@ -1,4 +1,4 @@
-"""Verdicts on what the paper says of convergence: blade elements, panels, wake vortices, time step."""
+"""Verdicts on the paper's statements about convergence: blade elements, panels, wake vortices, time step."""
 
 from . import paper
 from .paper import Settings
@@ -6,7 +6,7 @@ from .plan import RIGID, Runs, halved, key
 from .verdict import NAMES, Verdict
 
 SAME = 0.01
-"""A change within this is no change."""
+"""Changes below this count as zero."""
 
 
 def verdicts(settings: Settings, runs: Runs) -> list[Verdict]:

@@ -1,4 +1,4 @@
-"""The paper reproduced: every case that Reade & Jankauski (2020) computed, beside what they print, and beyond it."""
+"""Reproduction of the paper: every case of Reade & Jankauski (2020) next to the printed numbers, and further cases."""
 
 import contextlib
 import os
@@ -28,9 +28,9 @@ def reproduce(
 
     Args:
         folder: created if it does not exist.
-        settings: how much to compute; the paper's own settings, and beyond, if None.
-        overwrite: write into a folder that holds files already.
-        progress: called with the share of the work done.
+        settings: extent of the computation; by default the paper's settings and further ones.
+        overwrite: write into a folder that is not empty.
+        progress: callback of the fraction of the work done.
 
     Returns:
         The verdicts that open the report.
@@ -69,7 +69,7 @@ def _stages(progress: Progress | None) -> list[Progress]:
 
 
 def prepare(folder: Path, overwrite: bool) -> None:
-    """Make the folder, and make sure of it before minutes are spent.
+    """Create the folder, and check it before the computation.
 
     Raises:
         OutputError: when it cannot be written, or holds files.
@@ -77,7 +77,9 @@ def prepare(folder: Path, overwrite: bool) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if any(folder.iterdir()) and not overwrite:
-            raise files.OutputError(f"{folder}: holds files already; --overwrite replaces them, -o writes elsewhere")
+            raise files.OutputError(
+                f"{folder}: is not empty; use --overwrite to replace its files, or -o to write elsewhere"
+            )
         trial = folder / f".{os.getpid()}.part"
         with contextlib.suppress(FileNotFoundError):
             trial.touch()

@@ -1,4 +1,5 @@
-"""The paper's lattice for a rigid wing in NumPy, so that Eq. 32 can be taken at its word; without it, the solver's."""
+"""The paper's lattice for a rigid wing in NumPy, which can take Eq. 32 literally; otherwise it agrees with the "
+"solver."""
 
 import math
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ def fly(case: Case, *, still: bool = False, heard: int | None = None) -> Flight:
 
     Args:
         still: leave every vortex where it was shed.
-        heard: how many of the youngest wake vortices the velocity of the wake (Eq. 32) counts; None for all.
+        heard: number of youngest wake vortices that contribute to the wake's velocity (Eq. 32); None for all.
     """
     panels, chord, size = case.uvlm.panels, case.wing.chord, case.wing.chord / case.uvlm.panels
     kept = case.steps + 1 if case.uvlm.wake == "all" else case.uvlm.wake
@@ -39,7 +40,7 @@ def fly(case: Case, *, still: bool = False, heard: int | None = None) -> Flight:
     strength = case.fluid.density * Profile.of(case.wing.span).mean
     time: Array = case.step * np.arange(case.steps + 1, dtype=np.float64)
     moved = sampling.sample(case.motion, time)
-    # No penetration at every control point, and no change of all circulation (Eq. 31): it never changes.
+    # No penetration at every control point, and constant total circulation (Eq. 31); the matrix is constant.
     matrix = np.ones((panels + 1, panels + 1))
     matrix[:-1] = 1.0 / (2.0 * math.pi * (control[:, None] - np.append(bound, shed)))
     solve = np.linalg.inv(matrix)

@@ -1,4 +1,4 @@
-"""A verdict: one statement of the paper beside what was computed, and the numbers that several of them share."""
+"""A verdict: one statement of the paper compared with the computation, and shared helpers."""
 
 from dataclasses import dataclass
 
@@ -6,20 +6,20 @@ from .paper import TABLE_5
 from .plan import Runs, key
 
 CLOSE = 0.10
-"""A number within this of the paper's is called reproduced."""
+"""Relative tolerance within which a number counts as reproduced."""
 NAMES = {"dbet": "DBET", "uvlm": "UVLM"}
 DEFINITIONS = {"force_vertical": "full vector", "force_vertical_normal": "wing-normal part"}
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One statement of the paper beside what was computed.
+    """One statement of the paper compared with the computation.
 
     Attributes:
         what: the quantity.
         printed, here: the paper's statement and ours.
         reproduced: whether they agree; None where agreement is not the point.
-        why: how closely, or why not.
+        why: closeness of the agreement, or the reason of a difference.
     """
 
     what: str

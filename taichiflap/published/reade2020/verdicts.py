@@ -1,4 +1,4 @@
-"""The verdicts of the reproduction: what the paper says, what comes out here, and why they differ where they do."""
+"""The verdicts of the reproduction: the paper's statements, our results, and reasons for differences."""
 
 from . import paper, phases, refinement
 from .paper import TABLE_5, Settings

@@ -1,1 +1,1 @@
-"""How each model compares with published data and exact solutions, quantity by quantity."""
+"""Comparison of every model with published data and exact solutions."""

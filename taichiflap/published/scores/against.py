@@ -22,17 +22,17 @@ from .tiers import ScoreError, Tier
 Array = NDArray[np.float64]
 
 PHASES = 400
-"""Times of a beat, or of the measured stretch, at which trace and model are compared."""
+"""Number of times per beat, or in the measured interval, at which trace and model are compared."""
 ORDERS = 3
 ROUND_OFF = 1e-9
-"""Values below this share of the peak are told as zero."""
+"""Values below this share of the peak are shown as zero."""
 UNITS: Mapping[str, float] = {
     "": 1.0, "1": 1.0, "-": 1.0, "N": 1.0, "mN": 1e-3, "uN": 1e-6, "µN": 1e-6, "W": 1.0, "mW": 1e-3, "uW": 1e-6,
     "m": 1.0, "mm": 1e-3, "cm": 1e-2, "N m": 1.0, "mN m": 1e-3, "s": 1.0, "ms": 1e-3,
 }  # fmt: skip
 """Units of a column's heading, in SI."""
 COEFFICIENTS = {"C_L": "lift", "C_D": "drag", "C_T": "thrust", "C_V": "force_vertical"}
-"""Force coefficients, and the series that each is of: C_V is of the vertical force."""
+"""Force coefficients and their series; C_V is that of the vertical force."""
 SERIES = ("force_vertical", "force_normal", "force_axial", "force_y", "force_z", "lift", "thrust", "power",
           "moment", "tip_deflection")  # fmt: skip
 HEADING = re.compile(r"\s*(?P<name>[\w/]+)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*$")
@@ -41,7 +41,7 @@ TIMES = {"t/T": "beats", "t_over_T": "beats", "beats": "beats", "time": "s", "t"
 
 @dataclass(frozen=True)
 class Trace:
-    """A measured trace: times in beats (or s, of a motion that does not repeat) and its quantities in SI."""
+    """A measured trace: times in beats (in s for a non-periodic motion) and its quantities in SI units."""
 
     path: Path
     time: Array
@@ -54,9 +54,9 @@ class Comparison:
     """One quantity of a trace and of a model.
 
     Attributes:
-        mean, harmonics, peak, peak_time: of the trace and of the model: pairs.
-        rms: root mean square of their difference, over that of the trace.
-        phases, measured, modelled: both over the times compared.
+        mean, harmonics, peak, peak_time: pairs of the trace's and the model's value.
+        rms: root-mean-square difference, relative to the trace.
+        phases, measured, modelled: both series over the compared times.
     """
 
     quantity: str
@@ -72,10 +72,10 @@ class Comparison:
 
 
 def read_trace(path: Path) -> Trace:
-    """A CSV file whose first line names its columns: a time (`t/T`, or `time [s]`) and quantities with their units.
+    """Read a CSV file with a heading: a time (`t/T` or `time [s]`) and quantities with their units.
 
     Raises:
-        ScoreError: when a column is missing, unknown or holds something else; one sentence with the cure.
+        ScoreError: if a column is missing, unknown or invalid; one sentence with the cure.
     """
     try:
         lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line and line[0] != "#"]
@@ -89,7 +89,7 @@ def read_trace(path: Path) -> Trace:
     except ValueError as error:
         raise ScoreError(f"{path}: {error}; give numbers with decimal points between commas") from None
     if table.ndim != 2 or table.shape[1] != len(heads) or not np.isfinite(table).all():
-        raise ScoreError(f"{path}: rows differ in their columns, or hold no finite number")
+        raise ScoreError(f"{path}: rows have different numbers of columns, or values that are not finite")
     columns = [_column(path, head) for head in heads]
     times = [i for i, (name, _) in enumerate(columns) if name in TIMES]
     if len(times) != 1:
@@ -97,10 +97,10 @@ def read_trace(path: Path) -> Trace:
     name, factor = columns[times[0]]
     values = {name: factor * table[:, i] for i, (name, factor) in enumerate(columns) if i not in times}
     if not values:
-        raise ScoreError(f"{path}: has no quantity beside the time; known are {', '.join((*SERIES, *COEFFICIENTS))}")
+        raise ScoreError(f"{path}: has no column besides the time; add one of {', '.join((*SERIES, *COEFFICIENTS))}")
     time = factor * table[:, times[0]]
     if np.any(np.diff(time) <= 0.0):
-        raise ScoreError(f"{path}: times must rise from row to row")
+        raise ScoreError(f"{path}: times must increase from row to row")
     return Trace(path, time, TIMES[name] == "beats", values)
 
 
@@ -118,7 +118,7 @@ def _column(path: Path, head: str) -> tuple[str, float]:
 
 
 def read_shift(text: str) -> float | None:
-    """Beats by which a trace is late; None for `best`.
+    """Delay of a trace in beats; None for `best`.
 
     Raises:
         ScoreError: for anything else.
@@ -145,12 +145,12 @@ def compare(
 
     Args:
         speed: reference speed of the trace's coefficients, m/s.
-        area: their reference area, m2; chord times span, if None.
-        shift: beats by which the trace is late against the case's time; None finds, for each quantity and model, the
-            one of the least difference.
+        area: reference area of the coefficients, m2; chord times span if None.
+        shift: delay of the trace relative to the case, in beats; None finds the delay of least difference for each
+            quantity and model.
 
     Raises:
-        ScoreError: when a coefficient has no reference speed, or a quantity needs a stream that is not there.
+        ScoreError: if a coefficient has no reference speed, or a quantity needs a stream.
     """
     found = []
     for tier in tiers:
@@ -171,7 +171,7 @@ def _one(
         phases = np.arange(PHASES) / PHASES
         beats = settled_beats(result)
         if not beats:
-            raise ScoreError(f"{trace.path}: the case has no whole beat to compare with; give more time.periods")
+            raise ScoreError(f"{trace.path}: the case has no whole beat to compare with; increase time.periods")
         modelled = _folded(result.time[beats.frames] / case.beat, series[beats.frames], phases)
         late = _best_shift(time, values, phases, modelled) if shift is None else shift
         measured = _folded(time - late, values, phases)
@@ -215,7 +215,7 @@ def _series(result: Result, trace: Trace, quantity: str, speed: float | None, ar
 
 
 def _folded(time: Array, values: Array, phases: Array) -> Array:
-    """Mean over the whole beats, at phases of a beat; of less than one beat what there is, as if it repeated."""
+    """Mean over the whole beats at phases of a beat; less than one beat is treated as periodic."""
     first, last = math.ceil(time[0] - ROUND_OFF), math.floor(time[-1] + ROUND_OFF)
     if last > first:
         return np.mean([np.interp(beat + phases, time, values) for beat in range(first, last)], axis=0)

@@ -1,4 +1,4 @@
-"""All published cases, and the data that are not scored, with the reason."""
+"""All published cases, and data that are not scored, with the reason."""
 
 import difflib
 import functools
@@ -15,7 +15,7 @@ EXCLUDED = (
     ("SD7003 pitching and plunging, lift nearly cancelled", "experiment and computation differ in mean and harmonic"),
     ("Heathcote & Gursul, b/c = 1.41e-3, thrust at St 0.345 and 0.5", "no measurement between St 0.354 and 0.675"),
 )  # fmt: skip
-"""Data that were looked at and left out."""
+"""Data that were examined and excluded."""
 
 
 @functools.cache
@@ -32,16 +32,16 @@ def published() -> tuple[Published, ...]:
 
 
 def chosen(names: Iterable[str]) -> tuple[Published, ...]:
-    """Published cases by their names; all if none is named.
+    """Published cases by name; all by default.
 
     Raises:
-        ScoreError: for a name that is none.
+        ScoreError: for an unknown name.
     """
     known = {one.name: one for one in published()}
     wanted = list(names)
     for name in wanted:
         if name not in known:
             nearest = difflib.get_close_matches(name, known, 1)
-            hint = f"did you mean {nearest[0]}?" if nearest else f"there are {', '.join(known)}"
+            hint = f"did you mean {nearest[0]}?" if nearest else f"the cases are {', '.join(known)}"
             raise ScoreError(f"--cases {name}: no such published case; {hint}")
     return tuple(known[name] for name in wanted) or published()

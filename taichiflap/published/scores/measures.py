@@ -1,4 +1,4 @@
-"""What is scored: a coefficient of a result over a window of time."""
+"""Scored quantities: coefficients of a result over a window of time."""
 
 import math
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from ...results.reader import Result
 Array = NDArray[np.float64]
 
 MOMENTS = 2000
-"""Times at which a window is looked at, whatever the step."""
+"""Number of times in a window at which coefficients are sampled."""
 ANGLES = ("C_L phase", "C_L phase 2", "C_D phase 2", "tip phase")
 """Quantities in degrees, which wrap."""
 
@@ -25,7 +25,7 @@ class Trace:
 
     Attributes:
         time: in beats for a periodic motion, in s otherwise.
-        lift, drag: across and against the stream; in hover the vertical force, and the force against the stroke.
+        lift, drag: normal to the stream and along it; in hover the vertical force, and the force against the stroke.
         power: mechanical, over `rho U^3 c h / 2`.
         plunge, tip: position of the pivot along Z, and deflection of the trailing edge, chords.
     """
@@ -62,7 +62,7 @@ class Trace:
         )
 
     def during(self, window: tuple[float, float]) -> "Trace":
-        """The same at evenly spaced times of a window, whose end is left out."""
+        """The coefficients at evenly spaced times of a window, without its end."""
         times = np.linspace(*window, MOMENTS, endpoint=False)
         rows = (getattr(self, name) for name in ("lift", "drag", "power", "plunge", "tip"))
         return Trace(times, *(np.interp(times, self.time, row) for row in rows))
@@ -109,5 +109,5 @@ deflection is over the plunge, and its phase relative to it."""
 
 
 def measure(trace: Trace, quantity: str, window: tuple[float, float]) -> float:
-    """A quantity of a trace over a window."""
+    """Value of a quantity of a trace over a window."""
     return QUANTITIES[quantity](trace.during(window))

@@ -1,4 +1,4 @@
-"""The scored cases nearest to a case, and how much its model errs there."""
+"""The scored cases nearest to a case, and the errors of its model there."""
 
 import functools
 import json
@@ -12,14 +12,14 @@ from .regime import Regime
 from .tiers import TIERS, Tier
 
 NEAR = 1.0
-"""Cases farther apart say nothing of each other, see `Regime.distance`."""
+"""Maximum distance of comparable cases, see `Regime.distance`."""
 MOST = 2
-"""How many cases are named."""
+"""Number of named cases."""
 
 
 @dataclass(frozen=True)
 class Neighbour:
-    """A scored case near another, and the model's errors there by quantity, as shares."""
+    """A nearby scored case, and the model's relative errors there by quantity."""
 
     name: str
     distance: float
@@ -27,7 +27,7 @@ class Neighbour:
 
 
 def tier_of(case: Case) -> Tier | None:
-    """The scored setting that a case has: the one of which it shares all settings, and the most; None if none."""
+    """The scored tier of a case: the one with the most settings, all shared with the case; None if none."""
     document = case.to_dict()
     alike = [tier for tier in TIERS if all(_has(document, setting) for setting in tier.settings)]
     return max(alike, key=lambda tier: len(tier.settings), default=None)
@@ -43,12 +43,12 @@ def _has(document: Mapping[str, Any], setting: str) -> bool:
 
 @functools.cache
 def known() -> dict[str, dict[str, Any]]:
-    """Of each case of the committed page its regime, and its errors by tier and quantity, as shares."""
+    """Regime and relative errors by tier and quantity of each case of the committed page."""
     return json.loads(resources.files(__package__).joinpath("known.json").read_text(encoding="utf-8"))
 
 
 def nearest(case: Case) -> list[Neighbour]:
-    """The nearest scored cases of a case's model, nearest first; an empty list if none is near."""
+    """Nearest scored cases of a case's model, nearest first; empty if none is near."""
     tier = tier_of(case)
     if tier is None:
         return []
@@ -61,7 +61,7 @@ def nearest(case: Case) -> list[Neighbour]:
 
 
 def sentence(case: Case) -> str:
-    """What the scores say of a case: the nearest and its first errors, or that nothing is near."""
+    """The nearest scored cases with their first errors as text, or a note that none is near."""
     found = nearest(case)
     return "; ".join(map(_told, found)) or "none is near in reduced frequency, stroke, angle of attack and stiffness"
 

@@ -17,11 +17,11 @@ from .truths import NEARBY, Published
 
 COLOURS = ("#0060a8", "#d55e00", "#008560", "#8a4fbf", "#b58900", "#16191d")
 WIDTH, ROW, MARGIN = 8.0, 0.24, 1.1
-"""Inches: of a figure, of a row of a chart, and of what stands around the rows."""
+"""Inches: width of a figure, height of a row, and height of the rest."""
 ABREAST = 4
 """Entries of a legend side by side."""
 FARTHEST = 150.0
-"""Errors beyond this, %, stand at the edge of the chart."""
+"""Errors above this, %, are drawn at the edge of the chart."""
 _INK = palette.LIGHT
 STYLE: Any = {
     "font.family": "DejaVu Sans", "font.size": 8, "axes.linewidth": 0.6, "axes.spines.right": False,
@@ -32,7 +32,7 @@ STYLE: Any = {
 
 
 def errors(rows: Sequence[Row], tiers: Sequence[Tier]) -> Figure:
-    """The error of every figure of a regime, a colour a model; the grey band is the published one."""
+    """Errors of a regime, one colour per model; the grey bar is the published band."""
     with mpl.rc_context(STYLE):
         drawn = Figure(figsize=(WIDTH, MARGIN + ROW * len(rows)), layout="constrained")
         axes = drawn.add_subplot()
@@ -62,7 +62,7 @@ def _written(quantity: str) -> str:
 
 
 def histories(rows: Sequence[Row], tiers: Sequence[Tier]) -> Figure | None:
-    """Lift and drag coefficients of the cases whose time histories are kept; None if there are none."""
+    """Lift and drag coefficients of the cases with stored time histories; None if there are none."""
     cases = list(dict.fromkeys(row.published for row in rows if row.published.waves is not None))
     outcomes = {row.published.name: row.outcomes for row in rows}
     cases = [one for one in cases if any(outcome.trace for outcome in outcomes[one.name].values())]
@@ -102,7 +102,7 @@ def _history(axes: Any, one: Published, name: str, outcomes: Any, tiers: Sequenc
 
 
 def comparison(found: Sequence[Comparison]) -> Figure:
-    """A measured trace and the models, a chart a quantity."""
+    """A measured trace and the models, one chart per quantity."""
     names = list(dict.fromkeys(one.quantity for one in found))
     with mpl.rc_context(STYLE):
         drawn = Figure(figsize=(WIDTH, 2.4 * len(names)), layout="constrained")

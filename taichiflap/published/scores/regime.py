@@ -1,4 +1,4 @@
-"""Where a case stands among others: the numbers that decide which model is right."""
+"""Dimensionless numbers of a case, which decide which model is suitable."""
 
 import math
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE_RAT
 from ...structure import beam
 
 MOMENTS = 512
-"""Times of a beat at which the motion is looked at."""
+"""Number of times per beat at which the motion is sampled."""
 SMALLEST = 1e-3
-"""Reduced frequencies and strokes below this are alike."""
+"""Reduced frequencies and strokes below this count as equal."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class Regime:
     Attributes:
         hovers: whether there is no free stream.
         bends: whether the wing has modes.
-        reduced_frequency: pi f c / U, with the root mean square speed U of mid-chord relative to the fluid; 0 where
-            nothing repeats.
+        reduced_frequency: pi f c / U, with the root-mean-square speed U of mid-chord relative to the fluid; 0 for a
+            non-periodic motion.
         stroke: extent of the plunge, chords.
         angle: mean angle of attack at mid-chord, weighted by the square of the speed, degrees.
         reynolds: U c / nu; None without a viscosity.
@@ -65,10 +65,10 @@ class Regime:
         )
 
     def distance(self, other: "Regime") -> float:
-        """How far two regimes are apart; infinite for hover and stream, and for rigid and flexible wings.
+        """Distance between two regimes; infinite between hover and stream, and between rigid and flexible wings.
 
-        1 is a factor of e in the reduced frequency or in the stroke, 30 deg in the angle of attack, a factor of ten in
-        the Reynolds number, or 0.3 in the frequency ratio.
+        A distance of 1 corresponds to a factor of e in reduced frequency or stroke, 30 deg in angle of attack, a factor
+        of ten in Reynolds number, or 0.3 in frequency ratio.
         """
         if self.hovers != other.hovers or self.bends != other.bends:
             return math.inf

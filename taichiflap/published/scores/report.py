@@ -32,7 +32,7 @@ def write(rows: Sequence[Row], tiers: Sequence[Tier], folder: Path) -> list[Path
         The two pages.
 
     Raises:
-        OutputError: when a file cannot be written.
+        OutputError: if a file cannot be written.
     """
     _save(folder / KNOWN, json.dumps(known(rows), indent=1).encode() + b"\n")
     figures = pictures.drawn(rows, tiers)
@@ -46,7 +46,7 @@ def write(rows: Sequence[Row], tiers: Sequence[Tier], folder: Path) -> list[Path
 
 
 def known(rows: Sequence[Row]) -> dict[str, Any]:
-    """What `nearest` looks up: by case its regime, and the errors by tier and quantity, as shares."""
+    """Data for `nearest`: regime and relative errors by tier and quantity of each case."""
     found: dict[str, Any] = {}
     for row in rows:
         one = row.published
@@ -78,7 +78,7 @@ def _save(path: Path, content: bytes) -> None:
 
 
 def blocks(rows: Sequence[Row], tiers: Sequence[Tier], figures: Sequence[tuple[str, str]]) -> list[page.Block]:
-    """The page, block by block."""
+    """Blocks of the page."""
     found: list[page.Block] = [
         page.Heading(1, "Which model is right where"),
         page.Paragraph(

@@ -1,4 +1,4 @@
-"""Run published cases in every model, and keep what was found, so that the next call goes on where this one stopped."""
+"""Run published cases in every model, and store the outcomes, so that the next call continues."""
 
 import hashlib
 import json
@@ -15,18 +15,18 @@ from .tiers import ScoreError, Tier
 from .truths import Published, Truth
 
 DRAWN = 300
-"""Points of a stored time history, about."""
+"""Approximate number of points of a stored time history."""
 BATCH = 8
-"""Cases that march side by side before their figures are kept."""
+"""Number of cases per batch."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a model gave for a published case.
+    """Outcome of a model for a published case.
 
     Attributes:
         case, tier: names.
-        key: of the case file and the version; another key is another run.
+        key: hash of the case file and the version; identifies the run.
         values: by quantity; empty if the run failed.
         seconds: solve time, s.
         reason: why the run failed, or an empty text.
@@ -44,7 +44,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Row:
-    """A published figure, and what each tier that was run gave for it."""
+    """A published value, and the outcome of each tier."""
 
     published: Published
     truth: Truth
@@ -60,7 +60,7 @@ class Store:
     """Outcomes in a JSON file, or in memory without a path.
 
     Raises:
-        ScoreError: when the file holds something else.
+        ScoreError: if the file is not a file of scores.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -71,15 +71,15 @@ class Store:
                 rows = json.loads(path.read_text(encoding="utf-8"))["outcomes"]
                 self._found = {(row["case"], row["tier"]): Outcome(**row) for row in rows}
             except (OSError, ValueError, KeyError, TypeError):
-                raise ScoreError(f"{path}: is no file of scores; name another with -o") from None
+                raise ScoreError(f"{path}: not a file of scores; name another with -o") from None
 
     def get(self, case: str, tier: str, key: str) -> Outcome | None:
-        """What was found for a run, if it was this one."""
+        """The stored outcome of a run, if it matches."""
         found = self._found.get((case, tier))
         return found if found and found.key == key else None
 
     def add(self, outcomes: Sequence[Outcome]) -> None:
-        """Keep outcomes, on the disk at once."""
+        """Store outcomes, and write them to the disk at once."""
         self._found |= {(one.case, one.tier): one for one in outcomes}
         if self.path is not None:
             text = json.dumps({"outcomes": [asdict(one) for one in self._found.values()]}, indent=1)
@@ -88,7 +88,7 @@ class Store:
 
 
 def key_of(case: Case) -> str:
-    """What a run depends on: the case and the version of the solver."""
+    """Key of a run: the case and the version of the solver."""
     return hashlib.sha256(f"{__version__}\n{case.to_toml()}".encode()).hexdigest()[:16]
 
 
@@ -100,14 +100,14 @@ def score(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Row]:
-    """Score models against published figures.
+    """Compare models with published values.
 
     Args:
         cases: published cases.
         tiers: models with their settings.
-        store: where outcomes are kept, and looked up before a run.
-        threads: how many threads to use; all of them if None. It does not change any result.
-        progress: called with the number of runs done, and of all runs.
+        store: storage of outcomes, which is checked before a run.
+        threads: number of threads; None for all. It does not affect results.
+        progress: callback of (runs done, all runs).
 
     Returns:
         A row for each published figure of a case that some model was run for, in the order of the cases.
@@ -146,7 +146,7 @@ def score(
 
 
 def _run(group: Sequence[tuple[Published, Case]], tier: Tier, threads: int | None) -> Iterator[Outcome]:
-    # Series alone: a wake in every frame would fill the memory.
+    # Only series, since storing the wake in every frame needs too much memory.
     results = simulate([case.override(f"output.every={case.steps}") for _, case in group], threads=threads)
     for (one, case), result in zip(group, results, strict=True):
         with result:

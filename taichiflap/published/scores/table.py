@@ -8,12 +8,12 @@ from .truths import NEAR, OUTSIDE, WITHIN
 from .verdict import hopeless, sentence
 
 MARKS = {WITHIN: "=", NEAR: "~", OUTSIDE: "!"}
-"""Beside an error in the narrow columns of a terminal."""
+"""Marks next to an error in the narrow columns of a terminal."""
 LEGEND = "  ".join(f"{mark} {word}" for word, mark in MARKS.items())
 
 
 def groups(rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
-    """Rows by regime, in their order; within a regime those that every model misses stand first."""
+    """Rows by regime, in order; within a regime values that every model misses come first."""
     names = dict.fromkeys(row.published.group for row in rows)
     for name in names:
         own = [row for row in rows if row.published.group == name]

@@ -1,4 +1,4 @@
-"""The models and settings that are scored, each a name and what it changes of a case."""
+"""The scored models with their settings."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from .truths import Published
 
 
 class ScoreError(UserError):
-    """Raised when a tier or a published case that was asked for does not exist."""
+    """Raised if a requested tier or published case does not exist."""
 
 
 @dataclass(frozen=True)
@@ -17,10 +17,10 @@ class Tier:
     """A model with its settings.
 
     Attributes:
-        name: as `--models` names it.
+        name: name for `--models`.
         label: heading of its column.
-        settings: `key=value` pairs that it sets in a case.
-        reynolds: Reynolds numbers between which it runs; None for any, theory without viscosity included.
+        settings: `key=value` settings of the case.
+        reynolds: range of Reynolds numbers; None for any, including inviscid theory.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Tier:
         return published.case().override(*self.settings, *published.settings.get(self.name, ()))
 
     def runs(self, published: Published) -> bool:
-        """Whether the model is made for the case's Reynolds number."""
+        """Whether the model applies at the case's Reynolds number."""
         if self.reynolds is None:
             return True
         return published.reynolds is not None and self.reynolds[0] <= published.reynolds <= self.reynolds[1]
@@ -43,7 +43,7 @@ PAPER = (
     "dbet.coefficients=reade_jankauski", "dbet.frame=chord", "dbet.added_mass=strip", "dbet.attached=false",
     "dbet.rotation=0.0", "dbet.friction=none",
 )  # fmt: skip
-"""The blade elements as Reade & Jankauski (2020) have them."""
+"""The blade elements of Reade & Jankauski (2020)."""
 TIERS = (
     Tier("dbet-paper", "DBET, paper", ("solver=dbet", *PAPER)),
     Tier("dbet", "DBET", ("solver=dbet",)),
@@ -52,18 +52,18 @@ TIERS = (
     Tier("uvlm-sheds", "UVLM, sheds", ("solver=uvlm", "uvlm.leading_edge=sheds")),
     Tier("navier-stokes", "Navier-Stokes", ("solver=navier_stokes",), reynolds=(20.0, 5000.0)),
 )
-"""In the order of the columns."""
+"""All tiers, in the order of the columns."""
 
 
 def chosen(names: Iterable[str]) -> tuple[Tier, ...]:
-    """Tiers by their names; all if none is named.
+    """Tiers by name; all by default.
 
     Raises:
-        ScoreError: for a name that is none.
+        ScoreError: for an unknown name.
     """
     known = {tier.name: tier for tier in TIERS}
     wanted = list(names)
     for name in wanted:
         if name not in known:
-            raise ScoreError(f"--models {name}: no such model; there are {', '.join(known)}")
+            raise ScoreError(f"--models {name}: no such model; the models are {', '.join(known)}")
     return tuple(known[name] for name in wanted) or TIERS

@@ -1,4 +1,4 @@
-"""What the rows of a regime amount to: one sentence on which model to use."""
+"""Summary of a regime: one sentence on which model to use."""
 
 import math
 from collections.abc import Sequence
@@ -8,13 +8,13 @@ from .tiers import Tier
 from .truths import NEARBY, OUTSIDE, WITHIN
 
 WORST = 2.0
-"""An error counts as no more than this share of the true value: one hopeless figure does not hide the others."""
+"""Maximum relative error counted, so that a single large error does not dominate the mean."""
 ALIKE = 1.25
-"""Mean errors within this factor are alike."""
+"""Mean errors within this factor count as equal."""
 
 
 def mean_error(rows: Sequence[Row], tier: str) -> float:
-    """Mean size of a tier's errors over rows, as a share; NaN if it has none. A failed run counts as `WORST`."""
+    """Mean relative error of a tier over rows; NaN if it has none. A failed run counts as `WORST`."""
     errors = []
     for row in rows:
         if tier in row.outcomes:
