@@ -195,7 +195,7 @@ def test_a_verdict_reads_as_a_sentence():
 
 def test_folders_that_cannot_be_used_are_refused_in_a_sentence(tmp_path):
     (tmp_path / "old").write_text("")
-    with pytest.raises(OutputError, match="holds files already"):
+    with pytest.raises(OutputError, match="is not empty"):
         reproduce.prepare(tmp_path, overwrite=False)
     reproduce.prepare(tmp_path, overwrite=True)
     with pytest.raises(OutputError, match="cannot be written"):
@@ -206,7 +206,7 @@ def test_command_refuses_a_full_folder(tmp_path):
     (tmp_path / "old").write_text("")
     ran = run("reproduce", "-o", tmp_path)
     assert ran.returncode == 2
-    assert "holds files already" in ran.stderr
+    assert "is not empty" in ran.stderr
     assert len(ran.stderr.splitlines()) == 1
 
 

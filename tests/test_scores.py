@@ -140,7 +140,7 @@ def test_scores_are_kept_and_not_run_again(tmp_path, monkeypatch):
     with pytest.raises(pytest.fail.Exception):
         score.score(cases, [DBET], score.Store(path))
     path.write_text("[]")
-    with pytest.raises(ScoreError, match="is no file of scores"):
+    with pytest.raises(ScoreError, match="not a file of scores"):
         score.Store(path)
 
 
@@ -230,7 +230,7 @@ def test_coefficients_need_their_speed_and_lift_a_stream(tmp_path):
         ("t/T,power [hp]\n" + "1,2\n" * 5, "unit hp is not known"),
         ("t/T,C_V\n0,1\n0.1,a\n0.2,1\n0.3,1\n0.4,1\n", "give numbers"),
         ("t/T,C_V\n0,1\n0.1,1\n0.1,1\n0.3,1\n0.4,1\n", "times must increase"),
-        ("t/T\n0\n1\n2\n3\n4\n", "no quantity beside the time"),
+        ("t/T\n0\n1\n2\n3\n4\n", "no column besides the time"),
     ],
 )
 def test_traces_that_cannot_be_read(tmp_path, text, problem):

@@ -112,7 +112,7 @@ class Case(Section):
 
             if problem := measured.problem(frequency) or angles.problem(measured, frequency):
                 raise ValueError(f"motion.measured: {problem}")
-            # What follows from the angles is not among the keys that were given.
+            # Derived motions do not count as keys given in the file.
             moved = self.motion.model_copy()
             moved.__dict__.update(angles.travels(measured, frequency, self.wing.widest))
             self.__dict__["motion"] = moved

@@ -46,9 +46,9 @@ def plot(
     """Write the figures that suit a map, as PNG and SVG: `STEM-map` or `STEM-lines`, and `STEM-pareto`.
 
     Args:
-        stem: how the files' names begin, or a folder to put them in; the map's own name, here, if None. With the
-            extension pdf, eps, svg or png they are written as that alone.
-        whole: draw cases for which the model does not hold as all others, instead of in grey.
+        stem: start of the file names, or their folder; if None, the map's name in the current folder. With the
+            extension pdf, eps, svg or png only that type is written.
+        whole: draw cases in which the model is invalid like all others, instead of in grey.
         metrics: which to draw; the foremost that the map has, if none are given.
         look: a style of matplotlib's, or a `.mplstyle` file, over the house's own.
 
@@ -66,7 +66,7 @@ def plot(
             raise MapError(f"{sheet.path}: kept no {name}; it has {', '.join(sheet.metrics)}")
     numeric = _varying(sheet)
     if not drawn or not numeric:
-        raise MapError(f"{sheet.path}: no numeric key varies, or no metric was kept: nothing to draw")
+        raise MapError(f"{sheet.path}: nothing to draw: no numeric key varies, or no metric was stored")
     with style.using(look):
         figures = _figures(sheet, drawn, len(numeric), whole)
         return formats.write(figures, stem, kinds, style.current(), overwrite)

@@ -25,7 +25,7 @@ POINTS = 72
 """Points per inch."""
 INSTANTS = 8
 ARROWS = 9
-"""Arrows of the load along a chord."""
+"""Number of load arrows along a chord."""
 MANY_DOTS = 6000
 """Above this number dots are drawn as pixels in an SVG, to keep the file small."""
 
@@ -47,7 +47,7 @@ def plot(
         stem: start of the file names, or their folder; if None, the first result's name in the current folder. With the
             extension pdf, eps, svg or png only that type is written.
         sheets: colour wakes by the edge that shed them instead of by circulation.
-        width: of the figures, inches.
+        width: width of the figures, inches.
         metrics: names of series for the summary, in the place of tip deflection, forces and power.
         beats: how many of the last beats the summary shows.
         look: a style of matplotlib's, or a `.mplstyle` file, over the house's own.

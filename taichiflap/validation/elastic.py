@@ -44,9 +44,11 @@ POINTS = tuple(
 MASS_RATIOS = (0.2, 0.5, 1.0)
 """Settings of the flutter rows."""
 BEATS = 40
-"""Periods of the neutral oscillation that a plate is let go for: all but the mode that flutters dies within half."""
+"""Duration of a free vibration in periods of the neutral oscillation; all modes except the fluttering one decay within
+half of it.
+"""
 FLUTTER_STEPS = 200
-"""Steps a period of these."""
+"""Steps per period."""
 
 
 @dataclass(frozen=True)
