@@ -41,7 +41,7 @@ STREAM, BEAT, SPEED, FLUID, VISCOSITY, MASS, RADIUS, PIVOT = (
     "where the section's radius is not known: it needs motion.measured",
     "where the pivot rests in the fluid",
 )
-"""Where a metric is not defined."""
+"""Conditions under which a metric is undefined."""
 OF_STREAM = ("lift_mean", "lift_spread", "thrust_", "drag_", "propulsive_", "strouhal")
 OF_BEATS = (
     "settled", "force_drift", "force_normal_phase", "reduced_frequency", "strouhal",

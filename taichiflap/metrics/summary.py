@@ -26,7 +26,7 @@ MOMENTS = 512
 RESOLVED = 1e-12
 """Difference (beats) below which two times count as equal."""
 FIRST_MODE = 0.25
-"""Mean over the chord of the square of a clamped plate's first mode, that of the tip being 1."""
+"""Mean over the chord of the squared first mode of a clamped plate, with tip value 1."""
 GRAVITY = 9.80665
 """Standard acceleration of gravity, m/s2."""
 MEANS = (
@@ -74,15 +74,15 @@ class Summary:
         force_spread: standard deviation of the mean force of these beats, relative to the root-mean-square force.
         force_vertical, force_vertical_normal: mean vertical force, full vector and e_z component alone.
         force_normal, force_axial, force_y, force_z, moment, tip_deflection: means of these variables.
-        lift, thrust: mean force across a free stream, a quarter turn counter-clockwise from it (along Z for one along
-            Y), and against it; None without a stream.
+        lift, thrust: mean force normal to the free stream, 90 degrees counter-clockwise from it (along Z for a stream
+            along Y), and against it; None without a stream.
         reference_speed, reference_area: what coefficients are made with, see `march.reference`.
-        lift_coefficient: of the lift, or of the vertical force in hover; force over `rho U^2 S / 2`. None where the
-            reference speed or the density is zero.
-        drag_coefficient, thrust_coefficient: of the force along the stream and against it; None without a stream.
+        lift_coefficient: lift, or vertical force in hover, over `rho U^2 S / 2`. None if the reference speed or the
+            density is zero.
+        drag_coefficient, thrust_coefficient: from the force along and against the stream; None without a stream.
         power_coefficient: mean power over `rho U^3 S / 2`.
-        propulsive_efficiency: thrust times the stream's speed over the power; None without a stream, or where the
-            actuator spends nothing.
+        propulsive_efficiency: thrust times stream speed over power; None without a stream or if the power is not
+            positive.
         lift_over_weight: vertical force of all wings over the weight that they carry; None without `body.mass`.
         reynolds, reduced_frequency, pivot_speed, wing_tip_speed, angle_of_attack_mean, angle_of_attack_rms: see
             `metrics.similarity`.
