@@ -15,6 +15,7 @@ from taichiflap.metrics import names as quantities
 from taichiflap.metrics import summary as metrics
 from taichiflap.metrics.beats import settled_beats, whole_beats
 from taichiflap.metrics.similarity import Similarity
+from taichiflap.metrics.uncertainty import standard_errors
 from taichiflap.motion import sampling
 from taichiflap.results.variables import VARIABLES
 
@@ -113,7 +114,7 @@ def test_a_run_without_frames_has_no_beats():
 def test_every_quantity_has_the_units_of_what_it_is_taken_of():
     units = {name: one.units for name, one in quantities.QUANTITIES.items()}
     for name in metrics.MEANS:
-        assert units[f"{name}_mean"] == units[f"{name}_spread"] == VARIABLES[name].units
+        assert units[f"{name}_mean"] == units[f"{name}_spread"] == units[f"{name}_error"] == VARIABLES[name].units
     for name in metrics.WAVING:
         assert units[f"{name}_harmonic_2"] == VARIABLES[name].units
     assert {units[f"{name}_mean"] for name in ("lift", "thrust", "force_normal_peak")} == {"N"}
@@ -561,3 +562,24 @@ def test_what_the_wake_lost_is_a_share_of_the_speed_of_the_wings_middle():
     made.plunge = made.pitch = np.zeros_like(made.time)
     made.wake_lost, made.variables = np.ones_like(made.time), (*made.variables, "wake_lost")
     assert metrics.summarise(made).wake_lost == 0.0
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.3, 0.5, 0.7])
+@pytest.mark.parametrize(("beats", "covered"), [(10, 0.80), (20, 0.86), (60, 0.90)])
+def test_a_standard_error_covers_the_mean_of_beats_that_depend_on_each_other(correlation, beats, covered):
+    noise = np.random.default_rng(20261127).standard_normal((4000, beats))
+    values = noise.copy()
+    for n in range(1, beats):
+        values[:, n] = correlation * values[:, n - 1] + np.sqrt(1.0 - correlation**2) * noise[:, n]
+    inside = np.abs(values.mean(axis=1)) < 2.0 * standard_errors(values)
+    assert covered < inside.mean() < 0.98
+    if correlation == 0.7:  # as if beats were independent
+        naive = 2.0 * values.std(axis=1, ddof=1) / np.sqrt(beats)
+        assert np.mean(np.abs(values.mean(axis=1)) < naive) < 0.65
+
+
+def test_a_standard_error_takes_ten_beats():
+    values = np.random.default_rng(1).standard_normal((2, 10))
+    assert np.isfinite(standard_errors(values)).all()
+    assert np.isnan(standard_errors(values[:, :9])).all()
+    assert standard_errors(np.ones((1, 12))) == 0.0

@@ -11,6 +11,7 @@ from ..case.measured import Measured
 from ..case.motion import HarmonicPlunge, Motion
 from ..case.travel import Travel
 from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
+from ..metrics.uncertainty import FEWEST_BEATS as LEAST
 from ..motion import fourier
 from ..motion import measured as angles
 from ..notation import prefixed, printable
@@ -75,7 +76,8 @@ def motion_line(case: Case) -> str:
 def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     if case.periodic:
         beats = f"{summary.beats} beat{'s' if summary.beats > 1 else ''}"
-        yield f"over the last {beats} (mean ± standard deviation from beat to beat):"
+        error = "mean ± standard error" if summary.beats >= LEAST else f"means; a standard error takes {LEAST} beats"
+        yield f"over the last {beats} ({error}):"
     else:
         yield "over the whole run:"
     forces = [one for one in (summary.force_vertical, summary.force_normal_peak, summary.lift, summary.thrust) if one]
@@ -121,10 +123,20 @@ def _unrest(summary: Summary) -> str:
             f"not yet periodic: over these beats the mean force drifts by {100 * summary.force_drift:.2g} % "
             "of its rms; increase time.periods"
         )
+    known = f"a standard error takes {LEAST} settled beats, these are {summary.beats}"
+    if summary.beats >= LEAST:
+        known = f"their mean has a standard error of {100 * _relative_error(summary):.2g} %"
     return (
         f"the beats do not repeat: their mean force spreads by {100 * summary.force_spread:.2g} % of its rms; "
-        "increase time.periods for a more accurate mean"
+        f"{known}; increase time.periods"
     )
+
+
+def _relative_error(summary: Summary) -> float:
+    """Standard error of the mean force, as a share of its size."""
+    forces = summary.force_y, summary.force_z
+    size = math.hypot(*(one.mean for one in forces))
+    return math.hypot(*(one.error for one in forces)) / size if size else math.inf
 
 
 def _line(label: str, text: Any) -> str:
@@ -143,8 +155,8 @@ class _Unit:
         return cls(*prefixed(max(abs(one.mean) for one in statistics), unit))
 
     def shown(self, statistic: Statistic) -> str:
-        spread = f" ± {self.factor * statistic.spread:.2g}" if statistic.spread else ""
-        return f"{self.factor * statistic.mean:.4g}{spread} {self.name}"
+        error = f" ± {self.factor * statistic.error:.2g}" if statistic.error > 0.0 else ""
+        return f"{self.factor * statistic.mean:.4g}{error} {self.name}"
 
 
 def _coefficients(case: Case, summary: Summary) -> Iterator[str]:

@@ -1,7 +1,8 @@
 """Metrics of a case by name: the values of `metrics.Summary`, and further metrics for maps.
 
-A name is an attribute of the summary, with `_mean` or `_spread` if it varies from beat to beat: `force_vertical_mean`.
-    This version also accepts the words in another order, such as `vertical_force_mean`.
+A name is an attribute of the summary, with `_mean`, `_spread` (standard deviation) or `_error` (standard error of the
+mean) if it varies from beat to beat: `force_vertical_mean`.
+This version also accepts the words in another order, such as `vertical_force_mean`.
 """
 
 import cmath
@@ -42,7 +43,7 @@ STREAM, BEAT, SPEED, FLUID, VISCOSITY, MASS, RADIUS, PIVOT = (
     "where the pivot rests in the fluid",
 )
 """Conditions under which a metric is undefined."""
-OF_STREAM = ("lift_mean", "lift_spread", "thrust_", "drag_", "propulsive_", "strouhal")
+OF_STREAM = ("lift_mean", "lift_spread", "lift_error", "thrust_", "drag_", "propulsive_", "strouhal")
 OF_BEATS = (
     "settled", "force_drift", "force_normal_phase", "reduced_frequency", "strouhal",
     *(f"{name}_harmonic" for name in WAVING),
@@ -60,8 +61,8 @@ def _quantities() -> Iterator[tuple[str, str, str]]:
     for field, hint in typing.get_type_hints(Summary, include_extras=True).items():
         units = "".join(getattr(hint, "__metadata__", ()))
         if units and not field.startswith(OF_FILM):
-            parts = ("_mean", "_spread") if Statistic in _alternatives(hint.__origin__) else ("",)
-            yield from ((f"{field}{part}", units, f"{field}{part}".replace("_", " ")) for part in parts)
+            parts = ("_mean", "_spread", "_error") if Statistic in _alternatives(hint.__origin__) else ("",)
+            yield from ((f"{field}{part}", units, _said(f"{field}{part}")) for part in parts)
     for name in WAVING:
         for n in range(1, ORDERS + 1):
             wave = f"{name}_harmonic_{n}"
@@ -70,6 +71,10 @@ def _quantities() -> Iterator[tuple[str, str, str]]:
     for name, power in RATIOS.items():
         spent = power.removesuffix("_mean").replace("_", " ")
         yield name, "N W-1", f"cycle mean of the lift (in hover: of the vertical force) over that of the {spent}"
+
+
+def _said(name: str) -> str:
+    return name.replace("_", " ").replace(" error", " standard error of the mean")
 
 
 def _alternatives(hint: Any) -> tuple[Any, ...]:
@@ -178,6 +183,7 @@ def _flattened(summary: Summary) -> dict[str, float]:
     for name, value in vars(summary).items():
         if isinstance(value, Statistic):
             values[f"{name}_mean"], values[f"{name}_spread"] = value.mean, value.spread
+            values[f"{name}_error"] = value.error
         elif isinstance(value, int | float):
             values[name] = float(value)
     for name, waves in summary.harmonics.items():

@@ -16,6 +16,7 @@ from ..motion.stream import in_stream
 from ..results.reader import Result
 from .beats import Beats, settled_beats
 from .similarity import Similarity
+from .uncertainty import standard_errors
 
 REPEATS_WITHIN = 0.01
 """A run is settled if the mean forces of its beats agree within this share of the root-mean-square force."""
@@ -42,14 +43,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Statistic:
-    """Statistics of a metric over the settled beats: mean and standard deviation of its beat values."""
+    """Statistics of a metric over the settled beats.
+
+    Attributes:
+        mean: mean of its beat values.
+        spread: their standard deviation.
+        error: standard error of the mean, see `standard_errors`; not-a-number of fewer than ten beats.
+    """
 
     mean: float
     spread: float
+    error: float
 
     def over(self, scale: float) -> "Statistic":
         """The statistics divided by a positive number."""
-        return Statistic(self.mean / scale, self.spread / scale)
+        return Statistic(self.mean / scale, self.spread / scale, self.error / scale)
 
     @classmethod
     def each(cls, values: Array) -> list["Statistic"]:
@@ -57,7 +65,8 @@ class Statistic:
         count = values.shape[1]
         means = values.sum(axis=1) / count
         spreads = np.sqrt(((values - means[:, None]) ** 2).sum(axis=1) / count)
-        return [cls(*pair) for pair in zip(means.tolist(), spreads.tolist(), strict=True)]
+        errors = standard_errors(values)
+        return [cls(*one) for one in zip(means.tolist(), spreads.tolist(), errors.tolist(), strict=True)]
 
 
 @dataclass(frozen=True)
@@ -206,7 +215,7 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
 def _coefficients(case: Case, lift: Statistic, thrust: Statistic | None, power: Statistic) -> Any:
     """Coefficients and efficiency of a summary, with their reference values."""
     scale = reference(case)
-    drag = thrust and Statistic(-thrust.mean, thrust.spread)
+    drag = thrust and Statistic(-thrust.mean, thrust.spread, thrust.error)
     forces = {"lift_coefficient": lift, "drag_coefficient": drag, "thrust_coefficient": thrust}
     found = {name: one.over(scale.force) if one and scale.force else None for name, one in forces.items()}
     return {

@@ -145,7 +145,8 @@ def _numbers(result: Result) -> Iterator[tuple[str, str]]:
     ):  # fmt: skip
         if isinstance(value, Statistic):
             factor, shown_in = prefixed(abs(value.mean), unit)
-            yield name, f"{factor * value.mean:.4g} ± {factor * value.spread:.2g} {shown_in}".replace("-", "−")
+            error = f" ± {factor * value.error:.2g}" if value.error > 0.0 else ""
+            yield name, f"{factor * value.mean:.4g}{error} {shown_in}".replace("-", "−")
 
 
 def _heat_map(sheet: Map, broken: np.ndarray) -> str:
