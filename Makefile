@@ -74,7 +74,7 @@ reports: .venv/.run  ## write the reports among the documentation again, from th
 	cp build/reproduction/report.md build/reproduction/*.png docs/reproduction
 	mkdir -p docs/scores
 	cp build/scores/scores.md build/scores/*.png docs/scores
-	cp build/scores/known.json taichiflap/published/scores
+	cp build/scores/known.json taichiflap/scored
 	$(BIN)/python docs/gallery.py
 	$(BIN)/python examples/frames.py docs/theory/frames.svg
 

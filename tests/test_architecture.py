@@ -17,7 +17,7 @@ FLOORS = (
     "vortex march",
     "results",
     "fluids",
-    "files drawing metrics maps",
+    "files drawing metrics maps scored",
     "run export",
     "studies",
     "plots",

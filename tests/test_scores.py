@@ -8,12 +8,13 @@ from conftest import hawkmoth
 
 import taichiflap
 from taichiflap.case.case import parse_case
-from taichiflap.published.scores import against, library, nearest, report, score, table, tiers, verdict
+from taichiflap.published.scores import against, library, report, score, table, tiers, verdict
 from taichiflap.published.scores.measures import QUANTITIES, Trace, measure
-from taichiflap.published.scores.regime import Regime
 from taichiflap.published.scores.score import Outcome, Row
 from taichiflap.published.scores.tiers import TIERS, ScoreError
 from taichiflap.published.scores.truths import NEAR, OUTSIDE, WITHIN, Truth
+from taichiflap.scored import nearest
+from taichiflap.scored.regime import Regime
 
 DBET = next(tier for tier in TIERS if tier.name == "dbet")
 PAPER = next(tier for tier in TIERS if tier.name == "dbet-paper")

@@ -28,6 +28,7 @@ import taichiflap
 from taichiflap import fluids, open_result
 from taichiflap.case.case import parse_case
 from taichiflap.fluids.uvlm.stations import stations
+from taichiflap.metrics.summary import Statistic
 from taichiflap.results.reader import ResultError, part
 from taichiflap.results.writer import Writer
 from taichiflap.run import blocks
@@ -552,3 +553,11 @@ def _block(result, first, last):
     block["wake/count"] = np.array([len(wake["y"]) for wake in wakes])
     block |= {f"wake/{name}": np.concatenate([wake[name] for wake in wakes]) for name in wakes[0]}
     return block
+
+
+def test_a_difference_of_means_has_a_standard_error():
+    one, other = Statistic(2.0, 0.1, 0.03), Statistic(2.2, 0.1, 0.04)
+    assert compare._error(one, other) == pytest.approx(100.0 * 0.05 / 2.0)
+    assert compare._error(one, Statistic(2.2, 0.1, None)) is None
+    assert compare.Difference("power, mean", "W", 2.0, 2.2, 10.0, 2.5).change == "+10.0 ± 2.5 %"
+    assert compare.Difference("power, mean", "W", 2.0, 2.2, 10.0, 1e-6).change == "+10.0 %"

@@ -1,32 +1,43 @@
 """Differences between two results: means, peaks and phase over their settled beats."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from taichiflap.metrics.summary import Summary
+from taichiflap.metrics.summary import Statistic, Summary
 from taichiflap.notation import prefixed
 
 from .colours import RUNS
 from .frames import Run
 
+RESOLVED = 0.05
+"""Standard errors below this, in percent, are not shown."""
+
 
 @dataclass(frozen=True)
 class Difference:
-    """One metric of two results. `relative` is the difference in percent of the first, or None for angles and times."""
+    """One metric of two results.
+
+    Attributes:
+        relative: difference in percent of the first; None for angles and times.
+        error: standard error of this difference, in percent; None if a run has too few beats.
+    """
 
     name: str
     unit: str
     first: float
     second: float
     relative: float | None
+    error: float | None = None
 
     @property
     def change(self) -> str:
         """Second minus first."""
         if self.relative is None:
             return f"{self.second - self.first:+.3g}"
-        return f"{self.relative:+.1f} %"
+        error = f" ± {self.error:.1f}" if self.error is not None and self.error >= RESOLVED else ""
+        return f"{self.relative:+.1f}{error} %"
 
 
 def differences(first: Run, second: Run) -> list[Difference]:
@@ -46,9 +57,11 @@ def _compared(a: Summary, b: Summary) -> Iterator[Difference]:
         ("tip deflection, peak", "m", "tip_peak"),
         ("power, mean", "W", "power"),
     ):
-        one, other = (getattr(summary, attribute).mean for summary in (a, b))
+        found = [getattr(summary, attribute) for summary in (a, b)]
+        one, other = (statistic.mean for statistic in found)
         factor, shown = prefixed(max(abs(one), abs(other)), unit)
-        yield Difference(name, shown, factor * one, factor * other, 100.0 * (other - one) / abs(one) if one else None)
+        relative = 100.0 * (other - one) / abs(one) if one else None
+        yield Difference(name, shown, factor * one, factor * other, relative, _error(*found))
     if a.force_normal_phase is not None and b.force_normal_phase is not None:
         one, other = a.force_normal_phase, b.force_normal_phase
         # The smaller of both angles.
@@ -59,6 +72,13 @@ def _compared(a: Summary, b: Summary) -> Iterator[Difference]:
             yield Difference("tip peak, after reversal", "T", one, other, None)
         else:
             yield Difference("tip peak, at t/T", "T", a.tip_peak_time, b.tip_peak_time, None)
+
+
+def _error(one: Statistic, other: Statistic) -> float | None:
+    """Standard error of the difference of two means, in percent of the first."""
+    if one.error is None or other.error is None or not one.mean:
+        return None
+    return 100.0 * math.hypot(one.error, other.error) / abs(one.mean)
 
 
 def text(first: Run, second: Run) -> Iterator[str]:

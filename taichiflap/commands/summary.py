@@ -15,8 +15,8 @@ from ..metrics.uncertainty import FEWEST_BEATS as LEAST
 from ..motion import fourier
 from ..motion import measured as angles
 from ..notation import prefixed, printable
-from ..published.scores import nearest
 from ..results.reader import Result
+from ..scored import nearest
 from ..structure.chordwise import Profile
 
 LABEL = 24
@@ -44,7 +44,7 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
     summary = None if failed else summarise(result)
     if summary:
         yield from _statistics(case, summary)
-        yield _line("nearest scored case", nearest.sentence(case))
+        yield _line("nearest scored case", attributes.get("nearest_scored") or nearest.sentence(case))
     elif failed:
         yield "the run failed: no statistics"
     else:
@@ -136,7 +136,7 @@ def _relative_error(summary: Summary) -> float:
     """Standard error of the mean force, as a share of its size."""
     forces = summary.force_y, summary.force_z
     size = math.hypot(*(one.mean for one in forces))
-    return math.hypot(*(one.error for one in forces)) / size if size else math.inf
+    return math.hypot(*(one.error or 0.0 for one in forces)) / size if size else math.inf
 
 
 def _line(label: str, text: Any) -> str:
@@ -155,7 +155,7 @@ class _Unit:
         return cls(*prefixed(max(abs(one.mean) for one in statistics), unit))
 
     def shown(self, statistic: Statistic) -> str:
-        error = f" ± {self.factor * statistic.error:.2g}" if statistic.error > 0.0 else ""
+        error = f" ± {self.factor * statistic.error:.2g}" if statistic.error else ""
         return f"{self.factor * statistic.mean:.4g}{error} {self.name}"
 
 

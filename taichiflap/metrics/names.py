@@ -183,7 +183,7 @@ def _flattened(summary: Summary) -> dict[str, float]:
     for name, value in vars(summary).items():
         if isinstance(value, Statistic):
             values[f"{name}_mean"], values[f"{name}_spread"] = value.mean, value.spread
-            values[f"{name}_error"] = value.error
+            values[f"{name}_error"] = math.nan if value.error is None else value.error
         elif isinstance(value, int | float):
             values[name] = float(value)
     for name, waves in summary.harmonics.items():

@@ -16,6 +16,7 @@ from ..motion.stream import in_stream
 from ..results.reader import Result
 from .beats import Beats, settled_beats
 from .similarity import Similarity
+from .uncertainty import FEWEST_BEATS as FEWEST_FOR_ERROR
 from .uncertainty import standard_errors
 
 REPEATS_WITHIN = 0.01
@@ -48,16 +49,17 @@ class Statistic:
     Attributes:
         mean: mean of its beat values.
         spread: their standard deviation.
-        error: standard error of the mean, see `standard_errors`; not-a-number of fewer than ten beats.
+        error: standard error of the mean, see `standard_errors`; None of fewer than ten beats.
     """
 
     mean: float
     spread: float
-    error: float
+    error: float | None
 
     def over(self, scale: float) -> "Statistic":
         """The statistics divided by a positive number."""
-        return Statistic(self.mean / scale, self.spread / scale, self.error / scale)
+        error = None if self.error is None else self.error / scale
+        return Statistic(self.mean / scale, self.spread / scale, error)
 
     @classmethod
     def each(cls, values: Array) -> list["Statistic"]:
@@ -65,8 +67,8 @@ class Statistic:
         count = values.shape[1]
         means = values.sum(axis=1) / count
         spreads = np.sqrt(((values - means[:, None]) ** 2).sum(axis=1) / count)
-        errors = standard_errors(values)
-        return [cls(*one) for one in zip(means.tolist(), spreads.tolist(), errors.tolist(), strict=True)]
+        errors = standard_errors(values).tolist() if count >= FEWEST_FOR_ERROR else [None] * len(values)
+        return [cls(*one) for one in zip(means.tolist(), spreads.tolist(), errors, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -34,17 +34,19 @@ Sample = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Contents:
-    """Arrays that a fluid model adds to the file of a case.
+    """What a run adds to the file of a case beyond the variables of every model.
 
     Attributes:
-        outputs: its stored variables, by name; ragged ones are named `GROUP/NAME`.
+        outputs: stored variables of the fluid model, by name; ragged ones are named `GROUP/NAME`.
         axes: values and descriptions of its additional axes.
         room: length of every ragged axis.
+        nearest: the scored cases nearest to the case, as text.
     """
 
     outputs: Mapping[str, Variable] = field(default_factory=dict)
     axes: Mapping[str, tuple[np.ndarray, Variable]] = field(default_factory=dict)
     room: Mapping[str, int] = field(default_factory=dict)
+    nearest: str = ""
 
 
 def plan(sample: Sample, contents: Contents) -> dict[str, Variable]:
@@ -103,7 +105,7 @@ def modes(nodes: np.ndarray, section: Modes) -> dict[str, np.ndarray]:
     }
 
 
-def words(case: Case, began: float) -> dict[str, str]:
+def words(case: Case, began: float, contents: Contents) -> dict[str, str]:
     """Attributes of a result known from the start.
 
     Args:
@@ -116,6 +118,7 @@ def words(case: Case, began: float) -> dict[str, str]:
         "source": f"taichiflap {__version__}",
         "history": f"{when} computed with taichiflap {__version__}",
         "case": case.to_toml(),
+        "nearest_scored": contents.nearest,
     }
 
 
@@ -141,7 +144,7 @@ class Layout:
         self._every = case.output.every
         self._rows = rows(case)
         self._axes: dict[str, Any] = {}
-        self._describe(case, began, warnings)
+        self._describe(case, began, warnings, contents)
         for name in times(case):
             self._make_axis(name, _place(file, name, (self._rows[name],), "f8"), AXES[name])
         for name, (values, meaning) in axes(nodes, section, contents).items():
@@ -156,8 +159,8 @@ class Layout:
             members = {name.partition("/")[2]: one for name, one in found.items() if name.startswith(f"{group}/")}
             self._lay_out_ragged(group, members, contents.room)
 
-    def _describe(self, case: Case, began: float, warnings: list[str]) -> None:
-        hdf.note(self._file, words(case, began))
+    def _describe(self, case: Case, began: float, warnings: list[str], contents: Contents) -> None:
+        hdf.note(self._file, words(case, began, contents))
         self._file.attrs.update({"taichiflap_format": FORMAT} | dict.fromkeys(FIGURES, np.nan))
         # With reserved space, so that they can be changed in place.
         warned = "\n".join(warnings)

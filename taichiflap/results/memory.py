@@ -128,7 +128,7 @@ class Memory(Recorder):
         about = {"warnings": "\n".join([*self._warnings, *ending["warnings"]])}
         about |= {name: ending[name] for name in ("status", "reason")}
         figures = dict.fromkeys(FIGURES, np.nan) | ending["figures"]
-        return {**layout.words(self.case, self.began), "taichiflap_format": FORMAT, **about, **figures}
+        return {**layout.words(self.case, self.began, self._recipe[3]), "taichiflap_format": FORMAT, **about, **figures}
 
     def write(self, path: Path, overwrite: bool, ending: Mapping[str, Any]) -> None:
         """Write the recorded data to a file.

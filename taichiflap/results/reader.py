@@ -36,7 +36,7 @@ PART = ".part"
 
 ATTRIBUTES = (
     "Conventions", "title", "source", "history", "taichiflap_format", "case", "warnings", "solve_time", "status",
-    "reason", "energy_residual", "reference_speed", "reference_area",
+    "reason", "energy_residual", "reference_speed", "reference_area", "nearest_scored",
 )  # fmt: skip
 """Text attributes of a file."""
 

@@ -24,6 +24,7 @@ from ..results.reader import Result, ResultError
 from ..results.recorder import Recorded, Recorder
 from ..results.variables import Variable
 from ..results.writer import Writer
+from ..scored import nearest
 from . import warnings
 from .retry import finer_helps
 
@@ -233,7 +234,8 @@ def _contents(fluid: Model, case: Case) -> Contents:
         name: (np.asarray(axis.values, dtype=np.float64), Variable((), axis.units, axis.long_name, axis.symbol))
         for name, axis in fluid.axes(case).items()
     }
-    return Contents({one.name: one.variable for one in fluid.stored(case)}, axes, fluid.totals(case))
+    outputs = {one.name: one.variable for one in fluid.stored(case)}
+    return Contents(outputs, axes, fluid.totals(case), nearest.sentence(case))
 
 
 def _block(cases: Sequence[Case], fluid: Model, first: int, most: float) -> tuple[int, float]:

@@ -14,6 +14,7 @@ from taichiflap.case.case import Case, CaseError, load_case
 from taichiflap.case.shipped import FOLDER, names
 from taichiflap.errors import UserError
 from taichiflap.notation import short
+from taichiflap.scored import nearest
 
 from .. import compare
 from ..background import Background
@@ -104,7 +105,9 @@ class ExploreSession(Session):
         changed = [key for key in changed if value_of(self.case, key) is not None]
         settings = [f"{key}={short_text(value_of(self.case, key))}" for key in changed]
         line = shlex.join([*self._command, *(part for setting in settings for part in ("--set", setting))])
-        self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1], ("pinned", "now"))
+        table = compare.table(self.pinned, self.run, RUNS[::-1], ("pinned", "now"))
+        scored = f"nearest scored case: {escape(nearest.sentence(self.case))}"
+        self._numbers.content = f'{table}<div style="font-size:11px;padding:2px 4px">{scored}</div>'
         self._line.content = (
             f'<div style="padding:4px;font-size:11px"><code data-copy title="a click copies it" '
             f'style="cursor:pointer;overflow-wrap:anywhere">{escape(line)}</code></div>'

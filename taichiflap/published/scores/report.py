@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 
 from ... import files
 from ..._version import __version__
+from ...scored.regime import Regime
 from .. import page
 from . import pictures
 from .library import EXCLUDED
-from .regime import Regime
 from .score import Row
 from .table import groups
 from .tiers import Tier

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from ...case.case import Case
 from ...errors import UserError
+from ...scored.settings import SETTINGS
 from .truths import Published
 
 
@@ -39,19 +40,12 @@ class Tier:
         return published.reynolds is not None and self.reynolds[0] <= published.reynolds <= self.reynolds[1]
 
 
-PAPER = (
-    "dbet.coefficients=reade_jankauski", "dbet.frame=chord", "dbet.added_mass=strip", "dbet.attached=false",
-    "dbet.rotation=0.0", "dbet.friction=none",
-)  # fmt: skip
-"""The blade elements of Reade & Jankauski (2020)."""
-TIERS = (
-    Tier("dbet-paper", "DBET, paper", ("solver=dbet", *PAPER)),
-    Tier("dbet", "DBET", ("solver=dbet",)),
-    Tier("uvlm", "UVLM", ("solver=uvlm",)),
-    Tier("uvlm-suction", "UVLM, suction", ("solver=uvlm", "uvlm.suction=true")),
-    Tier("uvlm-sheds", "UVLM, sheds", ("solver=uvlm", "uvlm.leading_edge=sheds")),
-    Tier("navier-stokes", "Navier-Stokes", ("solver=navier_stokes",), reynolds=(20.0, 5000.0)),
-)
+LABELS = {
+    "dbet-paper": "DBET, paper", "dbet": "DBET", "uvlm": "UVLM", "uvlm-suction": "UVLM, suction",
+    "uvlm-sheds": "UVLM, sheds", "navier-stokes": "Navier-Stokes",
+}  # fmt: skip
+LIMITS = {"navier-stokes": (20.0, 5000.0)}
+TIERS = tuple(Tier(name, LABELS[name], settings, LIMITS.get(name)) for name, settings in SETTINGS.items())
 """All tiers, in the order of the columns."""
 
 

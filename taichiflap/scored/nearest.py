@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any
 
-from ...case.case import Case, read_value
+from ..case.case import Case, read_value
 from .regime import Regime
-from .tiers import TIERS, Tier
+from .settings import SETTINGS
 
 NEAR = 1.0
 """Maximum distance of comparable cases, see `Regime.distance`."""
@@ -26,11 +26,11 @@ class Neighbour:
     errors: Mapping[str, float]
 
 
-def tier_of(case: Case) -> Tier | None:
-    """The scored tier of a case: the one with the most settings, all shared with the case; None if none."""
+def model_of(case: Case) -> str | None:
+    """Name of the scored model of a case: the one with the most settings, all shared with the case; None if none."""
     document = case.to_dict()
-    alike = [tier for tier in TIERS if all(_has(document, setting) for setting in tier.settings)]
-    return max(alike, key=lambda tier: len(tier.settings), default=None)
+    alike = [name for name, settings in SETTINGS.items() if all(_has(document, setting) for setting in settings)]
+    return max(alike, key=lambda name: len(SETTINGS[name]), default=None)
 
 
 def _has(document: Mapping[str, Any], setting: str) -> bool:
@@ -48,13 +48,12 @@ def known() -> dict[str, dict[str, Any]]:
 
 
 def nearest(case: Case) -> list[Neighbour]:
-    """Nearest scored cases of a case's model, nearest first; empty if none is near."""
-    tier = tier_of(case)
-    if tier is None:
+def model_of(case: Case) -> str | None:
+    """Name of the scored model of a case: the one with the most settings, all shared with the case; None if none."""
         return []
     here, found = Regime.of(case), []
     for name, one in known().items():
-        errors, distance = one["errors"].get(tier.name), here.distance(Regime(**one["regime"]))
+        errors, distance = one["errors"].get(model), here.distance(Regime(**one["regime"]))
         if errors and distance <= NEAR:
             found.append(Neighbour(name, distance, errors))
     return sorted(found, key=lambda neighbour: neighbour.distance)[:MOST]

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...case.case import Case
-from ...motion import sampling
-from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE_RATE
-from ...structure import beam
+from ..case.case import Case
+from ..motion import sampling
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE_RATE
+from ..structure import beam
 
 MOMENTS = 512
 """Number of times per beat at which the motion is sampled."""

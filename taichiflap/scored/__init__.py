@@ -1,0 +1,1 @@
+"""What the scores say of a case: the published cases nearest to it, and how much its model errs there."""
