@@ -48,8 +48,9 @@ def known() -> dict[str, dict[str, Any]]:
 
 
 def nearest(case: Case) -> list[Neighbour]:
-def model_of(case: Case) -> str | None:
-    """Name of the scored model of a case: the one with the most settings, all shared with the case; None if none."""
+    """Nearest scored cases of a case's model, nearest first; empty if none is near."""
+    model = model_of(case)
+    if model is None:
         return []
     here, found = Regime.of(case), []
     for name, one in known().items():
