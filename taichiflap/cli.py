@@ -1,5 +1,7 @@
 """The command line. Heavy modules are imported inside the commands, so that `--help` is fast."""
 
+import gc
+import os
 import shlex
 import sys
 from collections.abc import Collection
@@ -31,6 +33,7 @@ app = typer.Typer(
 def main() -> None:
     """Run the command line. User errors print one sentence on stderr and exit with code 2 or 1."""
     standard_streams.settle()
+    _lighten()
     try:
         app()
     except (MemoryError, ImportError) as error:
@@ -48,6 +51,15 @@ def main() -> None:
         sys.exit(error.exit_code)
     except SystemExit as done:
         sys.exit(done.code or int(standard_streams.failed()))
+
+
+def _lighten() -> None:
+    """Leave out of this process what its libraries would do for others, before they are imported."""
+    # Pydantic looks through everything that is installed for plugins of its own; NumPy starts threads for a BLAS.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Imports make half a million objects that stay: there is nothing among them to collect.
+    gc.set_threshold(100_000)
 
 
 def _version(wanted: bool) -> None:

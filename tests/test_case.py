@@ -8,7 +8,7 @@ import tomli_w
 from conftest import CASES, hawkmoth
 
 import taichiflap
-from taichiflap.case.case import CaseError, case_schema, load_case, parse_case
+from taichiflap.case.case import Case, CaseError, case_schema, load_case, parse_case
 from taichiflap.case.template import commented_case
 from taichiflap.run import warnings
 
@@ -286,3 +286,11 @@ def test_implausible_cases_are_warned_about(setting, phrase):
 def test_shipped_cases_are_plausible():
     for file in CASES.glob("*.toml"):
         assert warnings.warnings(taichiflap.load_case(file)) == []
+
+
+@pytest.mark.parametrize("name", ["fluid", "dbet", "uvlm", "navier_stokes", "time", "output"])
+def test_a_section_that_is_left_out_is_an_empty_one(name):
+    """It is made without a check, which its defaults must not need."""
+    section = Case.model_fields[name].annotation
+    assert section.model_construct() == section()
+    assert section.model_construct().model_dump() == section().model_dump()

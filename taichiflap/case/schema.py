@@ -21,8 +21,9 @@ class Section(BaseModel):
     """A table of the case file: no unknown keys, no text for a number, immutable."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, json_schema_extra=_without_nothing
-    )
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, json_schema_extra=_without_nothing,
+        defer_build=True,  # a section is checked as a part of its case: nothing is built that is not used
+    )  # fmt: skip
 
     @field_validator("*")
     @classmethod
@@ -55,8 +56,8 @@ def key(default: Any = ..., *, unit: str = "", text: str, example: Any = None, *
 
 
 def section(model: type[BaseModel]) -> Any:
-    """An optional table."""
-    return Field(default_factory=model, description=(model.__doc__ or "").strip().rstrip("."))
+    """A section that may be left out: all its defaults are sound, so they need no check, and it no validator."""
+    return Field(default_factory=model.model_construct, description=(model.__doc__ or "").strip().rstrip("."))
 
 
 def as_tuple(value: Any) -> Any:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import numpy as np
 
 from ..errors import UserError
-from .taichi_patches import free_arrays, hasten
+from .taichi_patches import free_arrays, hasten, hurrying
 
 # Otherwise Taichi sends its version and a machine id to an outside host, and prints a banner.
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
@@ -63,7 +63,8 @@ if TYPE_CHECKING:
 
     ti: Any = None
 else:
-    import taichi as ti
+    with hurrying():
+        import taichi as ti
 
     hasten(ti)
     free_arrays(ti)
