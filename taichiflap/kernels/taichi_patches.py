@@ -34,7 +34,7 @@ def hurrying() -> Iterator[None]:
     waiting = {name: _Later(name) for name in UNUSED if name not in sys.modules}
     read = inspect.getframeinfo
     sys.modules.update(waiting)
-    inspect.getframeinfo = _frame_around  # type: ignore[assignment]
+    inspect.getframeinfo = _frame_around
     try:
         yield
     finally:
