@@ -45,9 +45,23 @@ def write(figures: dict[str, Figure], stem: Path, kinds: tuple[str, ...], style:
     }
     for path in named:
         files.check(path, overwrite)
+    for figure in figures.values():
+        _lay_out(figure, style)
     for path, (figure, kind) in named.items():
         # No metadata that change from day to day.
         dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
         with files.replacing(path) as file, mpl.rc_context(style):
             figure.savefig(file, format=kind, dpi=RESOLUTION, metadata=dated.get(kind))
     return list(named)
+
+
+def _lay_out(figure: Figure, style: Any) -> None:
+    """Place the panels once, for all kinds: it takes longer than to draw them."""
+    layout = figure.get_layout_engine()
+    if layout is not None:
+        by_hand = {"figure.autolayout": False, "figure.constrained_layout.use": False}
+        with mpl.rc_context({**style, **by_hand}):
+            figure.set_dpi(RESOLUTION)
+            layout.execute(figure)
+            # Without one, a figure is not drawn once more to find out whether anything has moved.
+            figure.set_layout_engine(None)
