@@ -21,10 +21,17 @@ def main() -> None:
     rates = pairs.measure()
     limit = rates.limit()
     rows = printed(pairs.rows(rates))
-    for some in (runs.alone(limit), runs.parts(), runs.sweeps()):
+    for some in (runs.alone(limit), runs.in_memory(), runs.parts(), runs.sweeps()):
         rows += printed(some)
     steps = wakes.step_times(limit)
-    for some in (wakes.rows(steps, limit), commands.start(), commands.output(), load.rows(), others.rows()):
+    for some in (
+        wakes.rows(steps, limit),
+        commands.start(),
+        commands.drawing(),
+        commands.output(),
+        load.rows(),
+        others.rows(),
+    ):
         rows += printed(some)
     points = accuracy.measure()
     reached = printed(accuracy.rows(points))

@@ -56,6 +56,18 @@ def start() -> Iterator[Row]:
     yield Row(START, "compilation without a cache, in processor time", cold.cpu - cpu, "s")
 
 
+def drawing() -> Iterator[Row]:
+    """Figures of one result over the run that made it, in processor time."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "run.h5")
+        simulate = ("simulate", str(CASE_FILES / "hawkmoth.toml"), "-o", str(path), "--overwrite")
+        plot = ("plot", str(path), "-o", folder, "--overwrite")
+        taken = [(command(*simulate)[0], command(*plot)[0]) for _ in range(4)][1:]
+        run, figures = (statistics.median(one.cpu for one in some) for some in zip(*taken, strict=True))
+        note = f"{figures:.2g} s of {run:.2g} s"
+        yield Row(OUTPUT, "`plot` of one result over a warm `simulate`", figures / run, "x", 1.0, False, note)
+
+
 def output() -> Iterator[Row]:
     """Share of a run that goes into its frames: handed out, derived, written."""
     with tempfile.TemporaryDirectory() as folder:

@@ -2,6 +2,8 @@
 
 import functools
 import itertools
+import math
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -13,15 +15,17 @@ from taichiflap.case.case import Case
 from taichiflap.fluids.uvlm import wake
 from taichiflap.kernels.runtime import available_threads
 from taichiflap.march.march import March
+from taichiflap.metrics.names import choose
 from taichiflap.run.blocks import BLOCK_STEPS
+from taichiflap.studies.batch import compute
 
-from .clock import Clocked, alternate
+from .clock import Clocked, Work, alternate
 from .machine import ROOT
 from .parts import AGAIN, PARTS, Repeated
 from .rows import Row
 
 CASES, SWEEPS, STEP = "One case", "Sweeps", "Parts of a step"
-SWEEP, SWEEP_BEATS = 256, 3
+SWEEP, SWEEP_BEATS, STUDY = 256, 3, 10_000
 CASE_FILES = ROOT / "cases"
 
 
@@ -76,6 +80,22 @@ def alone(limit: float) -> Iterator[Row]:
     yield Row(CASES, "DBET flexible, 15 beats", 1e3 * clocked["blades"].cpu, "ms", 5.0, at_least=False)
 
 
+def in_memory() -> Iterator[Row]:
+    """A run from Python without a path, statistics included, over its march alone."""
+
+    def run(case: Case) -> None:
+        taichiflap.simulate(case, threads=1).close()
+
+    for name, case, target in (("UVLM", hawkmoth(), 1.08), ("DBET", hawkmoth_dbet(), None)):
+        works: dict[str, Work] = {"run": functools.partial(functools.partial, run, case), "march": marching([case])}
+        clocked = alternate(works, 7)
+        ratio = clocked["run"].cpu / clocked["march"].cpu
+        yield Row(CASES, f"`simulate` without a path, {name}, over its march", ratio, "x", target, at_least=False)
+        limit = 12.0 if name == "DBET" else None
+        whole = 1e3 * clocked["run"].cpu
+        yield Row(CASES, f"`simulate` without a path, {name}, 15 beats", whole, "ms", limit, at_least=False)
+
+
 def sweeps() -> Iterator[Row]:
     """Many cases at once on all threads against one case at a time."""
     threads = available_threads()
@@ -83,12 +103,31 @@ def sweeps() -> Iterator[Row]:
     clocked = alternate({"one": marching([case]), "all": marching([case] * SWEEP, None)}, 3)
     about = f"{SWEEP} UVLM cases of {SWEEP_BEATS} beats over {threads} x one case's throughput"
     yield from _shares(about, clocked)
-    blades = hawkmoth_dbet()
-    clocked = alternate({"all": marching([blades] * SWEEP, None)}, 3)
-    rate = SWEEP / clocked["all"].wall
-    ideal = SWEEP * threads / clocked["all"].cpu
-    yield Row(SWEEPS, f"DBET, {SWEEP} cases of 15 beats, on the wall", rate, "cases/s", 400.0)
-    yield Row(SWEEPS, f"DBET, {SWEEP} cases of 15 beats, in processor time", ideal, "cases/s", 400.0)
+    yield from _studies()
+
+
+def _studies() -> Iterator[Row]:
+    """A study of blade elements with all metrics, in a batch here and as a user runs it, in several processes."""
+    blades, threads = hawkmoth_dbet(), available_threads()
+    names = choose((), [blades])
+    cases = [blades.override(f"wing.youngs_modulus={24.5e9 * (1.0 + 0.001 * i)}") for i in range(SWEEP)]
+    works: dict[str, Work] = {
+        "march": marching(cases, 1),
+        "whole": functools.partial(functools.partial, compute, cases, names, False, 1),
+    }
+    clocked = alternate(works, 3)
+    march, whole = (1e3 * clocked[name].cpu / SWEEP for name in works)
+    yield Row(SWEEPS, f"DBET, a case of 15 beats with {len(names)} metrics", whole, "ms", note="processor time")
+    yield Row(SWEEPS, "DBET, a case over its march", whole / march, "x", 1.4, at_least=False)
+    ideal = 1e3 * threads / whole
+    yield Row(SWEEPS, f"DBET, cases of 15 beats with {len(names)} metrics", ideal, "cases/s", 1200.0, note="likewise")
+    side = math.isqrt(STUDY)
+    vary = {"wing.youngs_modulus": f"15e9:60e9:{side}", "motion.pitch.amplitude_deg": f"5:45:{side}"}
+    began = time.perf_counter()
+    taichiflap.sweep(blades, vary)
+    seconds = time.perf_counter() - began
+    note = "start and map included, on the wall"
+    yield Row(SWEEPS, f"DBET, a study of {side * side:,} cases", seconds, "s", 0.001 * STUDY, at_least=False, note=note)
 
 
 def _shares(about: str, clocked: dict[str, Clocked]) -> Iterator[Row]:

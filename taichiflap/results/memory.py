@@ -14,16 +14,35 @@ from . import layout
 from .layout import Contents, Sample
 from .reader import FIGURES, FORMAT, Result, ResultError
 from .recorder import Recorder
-from .variables import FIELD_TIME, VARIABLES, Variable, count_of
+from .variables import VARIABLES, Variable, count_of
 from .writer import Writer
 
 
 class Array:
-    """An array with the interface of HDF5 datasets: reading returns a copy."""
+    """An array as HDF5 has it: what is read of it is the reader's own, to change at will.
 
-    def __init__(self, values: NDArray[Any]) -> None:
-        self.values = values
-        self.shape, self.dtype = values.shape, values.dtype
+    It is put together of the blocks that a run leaves when something of it is read for the first time.
+    """
+
+    def __init__(self, blocks: list[NDArray[Any]], kind: Any = None) -> None:
+        self._blocks, self._kind = blocks, kind
+
+    @property
+    def values(self) -> NDArray[Any]:
+        """All of it, not to be changed."""
+        if len(self._blocks) > 1 or self._kind is not None:
+            whole = np.concatenate(self._blocks) if len(self._blocks) > 1 else self._blocks[0]
+            self._blocks[:] = [whole if self._kind is None else whole.astype(self._kind, copy=False)]
+            self._kind = None
+        return self._blocks[0]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.values.shape
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        return self.values.dtype
 
     def __len__(self) -> int:
         return len(self.values)
@@ -35,8 +54,8 @@ class Array:
 class Store(Mapping[str, Any]):
     """Arrays by name, with groups by the part of the name before a slash: the content of a file."""
 
-    def __init__(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        self._arrays = {name: Array(values) for name, values in arrays.items()}
+    def __init__(self, arrays: Mapping[str, Array]) -> None:
+        self._arrays = dict(arrays)
         self._groups: dict[str, dict[str, Array]] = {}
         for name, one in self._arrays.items():
             group, slash, member = name.partition("/")
@@ -66,43 +85,34 @@ class Memory(Recorder):
 
     def __init__(self, case: Case, warnings: list[str]) -> None:
         super().__init__(case, warnings)
-        self._arrays: dict[str, NDArray[Any]] = {}
+        self._fixed: dict[str, Array] = {}
+        self._blocks: dict[str, list[NDArray[Any]]] = {}
 
     def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
-        """Allocate all arrays. Same arguments as `Recorder.lay_out`."""
+        """Know what is to come. Arguments as of `Recorder.lay_out`."""
         contents = contents or Contents()
         self._plan = layout.plan(sample, contents)
         self._recipe = nodes, section, sample, contents
-        for name, (values, _) in layout.axes(nodes, section, contents).items():
-            self._arrays[name] = values
-        for name, values in layout.modes(nodes, section).items():
-            self._arrays[f"modes/{name}"] = values
-        rows = layout.rows(self.case)
-        for name in layout.times(self.case):
-            self._arrays[name] = np.full(rows[name], np.nan)
-        for name, one in self._plan.items():
-            along = one.axes(self.case.output.every)[0]
-            shape = (contents.room[along],) if "/" in name else (rows[along], *sample[name].shape[1:])
-            self._arrays[name] = np.empty(shape, one.dtype)
-        for group in layout.groups(self._plan):
-            counted = count_of(group)
-            length = rows[counted.axes(self.case.output.every)[0]]
-            self._arrays[f"{group}/count"] = np.zeros(length, counted.dtype)
-
-    def _filled(self, name: str) -> NDArray[Any]:
-        """Recorded rows of a variable."""
-        group, slash, member = name.partition("/")
-        if slash and member != "count":
-            return self._arrays[name][: self._entries.get(group, 0)]
-        field = bool(slash) or name == FIELD_TIME or (name in self._plan and self._plan[name].field)
-        return self._arrays[name][: self.case.frames(self.steps) if field else self.steps]
+        fixed = {name: values for name, (values, _) in layout.axes(nodes, section, contents).items()}
+        fixed |= {f"modes/{name}": values for name, values in layout.modes(nodes, section).items()}
+        self._fixed = {name: Array([values]) for name, values in fixed.items()}
+        self._blocks = {name: [] for name in self.names}
 
     def _put(self, name: str, first: int, values: np.ndarray) -> None:
-        self._arrays[name][first : first + len(values)] = values
+        self._blocks[name].append(values)
 
     def written(self, name: str) -> np.ndarray:
-        """Recorded values of a variable with one value per step."""
-        return self._arrays[name][: self.steps]
+        """What was appended of a variable of one value a step."""
+        blocks = self._blocks[name]
+        blocks[:] = [np.concatenate(blocks)] if len(blocks) > 1 else blocks
+        return blocks[0]
+
+    def _kind(self, name: str) -> str:
+        """Type of the numbers of what is appended, as a file has it."""
+        if name in self._plan:
+            return self._plan[name].dtype
+        group, slash, _ = name.partition("/")
+        return count_of(group).dtype if slash else "f8"
 
     def finish(
         self,
@@ -113,8 +123,8 @@ class Memory(Recorder):
     ) -> Result:
         """The result, open for reading. Same arguments as `Recorder.finish`."""
         ending = {"status": status, "figures": dict(figures or {}), "reason": reason, "warnings": list(warnings)}
-        ragged = {name: self._filled(name) for name in self._plan if "/" in name}
-        return MemoryResult(self, Store(self._arrays | ragged), ending)
+        found = {name: Array(blocks, self._kind(name)) for name, blocks in self._blocks.items()}
+        return MemoryResult(self, Store(self._fixed | found), ending)
 
     @property
     def own(self) -> dict[str, Variable]:
@@ -130,8 +140,8 @@ class Memory(Recorder):
         figures = dict.fromkeys(FIGURES, np.nan) | ending["figures"]
         return {**layout.words(self.case, self.began, self._recipe[3]), "taichiflap_format": FORMAT, **about, **figures}
 
-    def write(self, path: Path, overwrite: bool, ending: Mapping[str, Any]) -> None:
-        """Write the recorded data to a file.
+    def write(self, path: Path, overwrite: bool, arrays: Mapping[str, Any], ending: Mapping[str, Any]) -> None:
+        """Write what was recorded, `arrays`, to a file.
 
         Raises:
             ResultError: when the file exists already, or cannot be written.
@@ -140,7 +150,7 @@ class Memory(Recorder):
         writer.began = self.began
         try:
             writer.lay_out(*self._recipe)
-            writer.append({name: self._filled(name) for name in self.names})
+            writer.append({name: arrays[name].values for name in self.names})
             writer.finish(**ending).close()
         except BaseException:
             writer.abandon()
@@ -170,5 +180,5 @@ class MemoryResult(Result):
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the result to a file, see `Result.save`."""
         if not len(self.file):
-            raise ResultError(f"{path}: cannot be saved: the result in memory has been closed")
-        self._recorded.write(Path(path), overwrite, self._ending)
+            raise ResultError(f"{path}: the result has been closed, and is lost")
+        self._recorded.write(Path(path), overwrite, self.file, self._ending)
