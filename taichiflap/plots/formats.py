@@ -59,7 +59,7 @@ def _lay_out(figure: Figure, style: Any) -> None:
     """Place the panels once, for all kinds: it takes longer than to draw them."""
     layout = figure.get_layout_engine()
     if layout is not None:
-        by_hand = {"figure.autolayout": False, "figure.constrained_layout.use": False}
+        by_hand: Any = {"figure.autolayout": False, "figure.constrained_layout.use": False}
         with mpl.rc_context({**style, **by_hand}):
             figure.set_dpi(RESOLUTION)
             layout.execute(figure)
