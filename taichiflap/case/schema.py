@@ -56,7 +56,7 @@ def key(default: Any = ..., *, unit: str = "", text: str, example: Any = None, *
 
 
 def section(model: type[BaseModel]) -> Any:
-    """A section that may be left out: all its defaults are sound, so they need no check, and it no validator."""
+    """An optional table. Its defaults need no validation."""
     return Field(default_factory=model.model_construct, description=(model.__doc__ or "").strip().rstrip("."))
 
 
