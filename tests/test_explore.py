@@ -14,7 +14,7 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer.explore.keys import CHOICE, FIRST, NUMBER, SWITCH, WHOLE, controls, value_of
 from taichiflap_viewer.explore.session import BEATS, brief, short_text
 from taichiflap_viewer.explore.viewer import Explorer
-from taichiflap_viewer.explore.worker import Worker
+from taichiflap_viewer.explore.worker import BEGUN, Worker
 from test_viewer import CAMERA
 from websockets.sync.client import connect
 
@@ -116,63 +116,110 @@ def test_the_worker_computes_what_simulate_does_and_gives_up_what_nobody_wants(m
 
 
 @pytest.mark.slow
-def test_a_browser_changes_its_own_case(tmp_path, capfd):
-    (tmp_path / "case.toml").write_text(hawkmoth(*SMALL).to_toml())
-    explorer = Explorer(tmp_path / "case.toml", ["wing.modes=1"], threads=1, port=18800)
-    folder = Path(explorer.worker._folder.name)
+def test_a_long_run_is_shown_as_it_is_computed_and_lets_others_go_first():
+    long, short = hawkmoth("time.periods=6", "time.steps_per_period=400", "uvlm.wake=600"), hawkmoth(*SMALL)
+    shared, order = Worker(short, threads=1), []
+    try:
+        slow, quick = (
+            shared.enlist(lambda *answer, who=who: order.append((who, *answer))) for who in ("slow", "quick")
+        )
+        shared.ask(slow, long)
+        until(lambda: order)
+        who, _, path, reason, _ = order[0]
+        assert (who, reason) == ("slow", BEGUN)
+        with taichiflap.open_result(path) as begun:
+            assert begun.status == "running"
+        shared.ask(quick, short)
+        until(lambda: len(order) == 3)
+        assert [one[0] for one in order] == ["slow", "quick", "slow"]
+        with taichiflap.open_result(order[2][2]) as found, taichiflap.simulate(long, threads=1) as expected:
+            np.testing.assert_array_equal(found.force_z, expected.force_z)
+    finally:
+        shared.close()
+
+
+@contextlib.contextmanager
+def explored(folder, count):
+    """An explorer, and the sessions of so many pages."""
+    (folder / "case.toml").write_text(hawkmoth(*SMALL).to_toml())
+    explorer = Explorer(folder / "case.toml", ["wing.modes=1"], threads=1, port=18800)
     try:
         with contextlib.ExitStack() as stack:
-            for _ in range(2):
+            for _ in range(count):
                 address = explorer.address.replace("http", "ws", 1)
                 page = stack.enter_context(
                     connect(address, subprotocols=[f"viser-v{viser.__version__}"], max_size=None, proxy=None)
                 )
                 page.send(msgspec.msgpack.encode(CAMERA))
                 threading.Thread(target=lambda page=page: [None for _ in page], daemon=True).start()
-            until(lambda: len(explorer.sessions) == 2)
-            one, other = explorer.sessions
-            until(lambda: one._started and other._started)
-            before = one.run
-            one._change({"wing.youngs_modulus": 12e9}, "wing.youngs_modulus")
-            until(lambda: one.run is not before)
-            assert (one.run.case.wing.youngs_modulus, other.run.case.wing.youngs_modulus) == (12e9, 24.5e9)
-            with taichiflap.simulate(one.case, threads=1) as expected:
-                np.testing.assert_array_equal(one.run.result.force_z, expected.force_z)
-            assert one.pinned is before
-            until(lambda: "youngs_modulus=12000000000.0" in one._line.content)
-            assert "+" in one._numbers.content or "-" in one._numbers.content
-            # Refused values are told, and change nothing.
-            one._change({"wing.chord": -1.0}, "wing.chord")
-            assert "data-notice" in one._message.content
-            assert one.case.wing.chord == 0.02
-            # Undo and redo.
-            shown = one.run
-            one._undo()
-            until(lambda: one.run is not shown)
-            assert one.run.case.wing.youngs_modulus == 24.5e9
-            shown = one.run
-            one._redo()
-            until(lambda: one.run is not shown)
-            assert one.run.case.wing.youngs_modulus == 12e9
-            # Another model, other modes, a stream: the scene is built anew.
-            for values in ({"wing.modes": 0}, {"fluid.velocity": (1.0, 0.0)}, {"solver": "uvlm", "uvlm.panels": 8}):
-                shown = one.run
-                one._change(values, "wing.modes")
-                until(lambda shown=shown: one.run is not shown)
-            assert one.run.has_wake
-            one._pin()
-            assert one.pinned is one.run
-            one._pin_model("dbet")
-            until(lambda: (one.pinned.case.solver, one.run.case.solver) == ("dbet", "uvlm"))
-            one._take_preset("hawkmoth_dbet")
-            until(lambda: one.run.case.title != one.pinned.case.title or one.run is not one.pinned)
-            one._find("added mass")
-            assert one._handles["dbet.added_mass"][0].visible
+            until(lambda: len(explorer.sessions) == count and all(one._started for one in explorer.sessions))
+            yield explorer, explorer.sessions
         until(lambda: not explorer.sessions)
     finally:
         explorer.stop()
+
+
+def settled(one):
+    """Wait until a session shows what it asked for, computed to its end."""
+    until(lambda: one.run.case == one.case.resolved() and not one.run.live and not one._wishes)
+
+
+@pytest.mark.slow
+def test_a_browser_changes_its_own_case(tmp_path, capfd):
+    with explored(tmp_path, 2) as (explorer, (one, other)):
+        folder, before = Path(explorer.worker._folder.name), one.run
+        one._change({"wing.youngs_modulus": 12e9}, "wing.youngs_modulus")
+        settled(one)
+        assert (one.run.case.wing.youngs_modulus, other.run.case.wing.youngs_modulus) == (12e9, 24.5e9)
+        with taichiflap.simulate(one.case, threads=1) as expected:
+            np.testing.assert_array_equal(one.run.result.force_z, expected.force_z)
+        assert one.pinned is before
+        until(lambda: "youngs_modulus=12000000000.0" in one._line.content)
+        assert "+" in one._numbers.content or "-" in one._numbers.content
+        # Refused values are told, and change nothing.
+        one._change({"wing.chord": -1.0}, "wing.chord")
+        assert "data-notice" in one._message.content
+        assert one.case.wing.chord == 0.02
+        for step, modulus in ((one._undo, 24.5e9), (one._redo, 12e9)):
+            step()
+            settled(one)
+            assert one.run.case.wing.youngs_modulus == modulus
+        # An address of a colleague.
+        one._take_address({"set": one._address()["set"] + ";wing.modes=2"})
+        settled(one)
+        assert (one.run.case.wing.modes, one.run.case.wing.youngs_modulus) == (2, 12e9)
+        one.sliders.find("added mass")
+        assert one.sliders.handles["dbet.added_mass"][0].visible
     assert "Traceback" not in capfd.readouterr().err
     assert not folder.exists()
+
+
+@pytest.mark.slow
+def test_a_browser_compares_models_and_takes_other_cases(tmp_path, capfd):
+    with explored(tmp_path, 1) as (_, (one,)):
+        # Another model, other modes, a stream: the scene is built anew, and the controls are those of the case.
+        for values in ({"wing.modes": 0}, {"fluid.velocity": (1.0, 0.0)}, {"solver": "uvlm", "uvlm.panels": 8}):
+            one._change(values, "wing.modes")
+            settled(one)
+        assert one.run.has_wake
+        assert "uvlm.panels" in one.sliders.keys
+        one._pin()
+        assert one.pinned is one.run
+        # The second model goes along with every change, until there is none.
+        one._set_second("dbet")
+        one._change({"wing.youngs_modulus": 20e9}, "wing.youngs_modulus")
+        settled(one)
+        until(lambda: (one.pinned.case.solver, one.pinned.case.wing.youngs_modulus) == ("dbet", 20e9))
+        assert one.run.case.solver == "uvlm"
+        assert "DBET" in one._numbers.content
+        one._set_second("none")
+        assert one.pinned is one.run
+        one._take_preset("hawkmoth_dbet")
+        settled(one)
+        assert "dbet.elements" in one.sliders.keys
+        # The Navier-Stokes equations ask for a viscosity, which no other model needs.
+        assert one._with({"solver": "navier_stokes"}).fluid.viscosity == 1.5e-5
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def until(condition):

@@ -218,13 +218,15 @@ class Session:
         return {"layers": layers, "background": playback.background, "dark": str(int(playback.dark))}
 
     def _tell_address(self) -> None:
+        if self._started:
+            self.channel.tell_address(self._address())
+
+    def _address(self) -> dict[str, str | None]:
         """The address holds the frame of a run that stands still, and what is other than usual."""
-        if not self._started:
-            return
         playback = self.playback
         moving = playback.playing or playback.follow
         held = {name: None if value == self._usual[name] else value for name, value in self._chosen(playback).items()}
-        self.channel.tell_address(held | {"frame": None if moving else str(playback.frame)})
+        return held | {"frame": None if moving else str(playback.frame)}
 
     def _tell_cursor(self) -> None:
         if self._cursor is not None and self.playback.background != NONE:

@@ -1,5 +1,6 @@
 """The keys of a case as controls: names, units and ranges of sliders."""
 
+import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -102,8 +103,14 @@ def value_of(case: Case, key: str) -> Any:
     return found
 
 
+@functools.cache
+def _schema(kind: type[BaseModel]) -> dict[str, Any]:
+    """What a table of the case file may say; to find out takes longer than a run of blade elements."""
+    return kind.model_json_schema()
+
+
 def _walk(part: BaseModel, prefix: str) -> Iterator[Control]:
-    schema = type(part).model_json_schema()
+    schema = _schema(type(part))
     for name in type(part).model_fields:
         key, value = f"{prefix}{name}", getattr(part, name)
         if key in HIDDEN or name == "kind":

@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import shlex
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from html import escape
@@ -26,17 +27,26 @@ from ..scene import Actor, Look, Stage, common_ranges
 from ..server import notice
 from ..session import Session, opening
 from ..timeline import Playback
-from .keys import CHOICE, FIRST, SWITCH, Control, controls, value_of
-from .worker import Worker
+from .keys import value_of
+from .sliders import Sliders
+from .worker import BEGUN, Worker
 
 GHOST = Look("/pinned", (140, 146, 156), "circle", 3.0, -0.005)
 """How the pinned result's wing looks, behind the other's."""
 WIDTH = 320
-FOUND = 8
-"""Keys that a search shows at most."""
-NO_PRESET = "as opened"
+NO_PRESET, NO_MODEL = "as opened", "none"
+SEPARATOR = ";"
+"""Between the settings that the address holds."""
 BEATS = 5
 """Beats that are computed at most."""
+COMMAND = ["taichiflap", "simulate", "case.toml"]
+"""What computes anew a case that comes from no file, once it is saved."""
+LOOK_SECONDS = 0.25
+"""How often a run that is shown while it is computed is looked at."""
+AIR, WATER = 1.5e-5, 1e-6
+"""Kinematic viscosity, m2/s, that the Navier-Stokes model is given where the case has none; water is a dense fluid."""
+DENSE = 100.0
+"""Density, kg/m3, from which a fluid is taken for water."""
 
 
 class ExploreSession(Session):
@@ -59,17 +69,19 @@ class ExploreSession(Session):
         self._future: list[Case] = []
         self._wishes: dict[int, tuple[Case, str]] = {}
         self.pinned = run
-        self._handles: dict[str, Any] = {}
         self._closed = False
+        self._looked = 0.0
+        self._second = NO_MODEL
         super().__init__(client, [run], opening([run]), Fields(run, pool))
-        self._place = worker.enlist(self._arrive)
+        self._place, self._beside_place = worker.enlist(self._arrive), worker.enlist(self._arrive)
         with client.atomic():
             self._add_controls()
             self._tell()
 
     def close(self) -> None:
         """Let go of what is this browser's alone."""
-        self._worker.release(self._place)
+        for place in (self._place, self._beside_place):
+            self._worker.release(place)
         self.view.leave()
         with self._lock:
             self._closed = True
@@ -82,7 +94,8 @@ class ExploreSession(Session):
         return Charts(self.client.gui, self.panel.chart_tab, [self.run, self.pinned], playback, modes=False)
 
     def _caption(self) -> str:
-        return '<div style="font-size:11px;padding:2px 4px">Blue: current case. Orange: pinned case.</div>'
+        second = self.pinned.label if self._second != NO_MODEL else "as pinned"
+        return f'<div style="font-size:11px;padding:2px 4px">Blue: as it is now. Orange: {second}.</div>'
 
     def _set_up(self) -> tuple[Stage, list[Actor]]:
         scene, ranges = self.client.scene, common_ranges([self.run])
@@ -101,17 +114,40 @@ class ExploreSession(Session):
 
     def _tell(self) -> None:
         """The numbers, and what was changed."""
-        changed = [key for key in self._handles if value_of(self.first, key) != value_of(self.case, key)]
-        changed = [key for key in changed if value_of(self.case, key) is not None]
-        settings = [f"{key}={short_text(value_of(self.case, key))}" for key in changed]
-        line = shlex.join([*self._command, *(part for setting in settings for part in ("--set", setting))])
-        table = compare.table(self.pinned, self.run, RUNS[::-1], ("pinned", "now"))
-        scored = f"nearest scored case: {escape(nearest.sentence(self.case))}"
-        self._numbers.content = f'{table}<div style="font-size:11px;padding:2px 4px">{scored}</div>'
+        line = shlex.join([*self._command, *(part for setting in self._settings() for part in ("--set", setting))])
+        self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1], (self.pinned.label, "now"))
+        self.panel.caption.content = self._caption()
         self._line.content = (
             f'<div style="padding:4px;font-size:11px"><code data-copy title="a click copies it" '
             f'style="cursor:pointer;overflow-wrap:anywhere">{escape(line)}</code></div>'
         )
+
+    def _settings(self) -> list[str]:
+        """What makes the first case into this one, as `--set` takes it."""
+        changed = [key for key in self.sliders.keys if value_of(self.first, key) != value_of(self.case, key)]
+        return [f"{key}={short_text(value_of(self.case, key))}" for key in changed]
+
+    def tick(self, seconds: float) -> None:
+        """Play on; look at a run that is shown while it is computed."""
+        if not self.run.live:
+            super().tick(seconds)
+        elif self._wishes and time.monotonic() - self._looked > LOOK_SECONDS:
+            self._looked = time.monotonic()
+            if self.run.refresh() and not self.run.trouble:
+                self.grow()
+
+    # What the address holds besides.
+
+    def _take_address(self, chosen: dict[str, str]) -> None:
+        if "set" in chosen:
+            try:
+                self._choose(self.first.override(*chosen["set"].split(SEPARATOR)))
+            except CaseError as error:
+                self._message.content = notice(str(error.problems[0]))
+        super()._take_address(chosen)
+
+    def _address(self) -> dict[str, str | None]:
+        return super()._address() | {"set": SEPARATOR.join(self._settings()) or None}
 
     # The controls.
 
@@ -120,11 +156,7 @@ class ExploreSession(Session):
         gui.main_panel.set_width(WIDTH)
         self._message = gui.add_html("", order=-9.0)
         self._numbers = gui.add_html("", order=-8.0)
-        with gui.add_folder("Case", order=-7.0):
-            for control in controls(self.case):
-                self._add_control(control, visible=control.key in FIRST)
-            self._search = gui.add_text("Search", "", hint="search other keys by name or description")
-            self._search.on_update(lambda _: self._find(self._search.value))
+        self.sliders = Sliders(self.client, self.case, -7.0, lambda key, value: self._change({key: value}, key))
         with gui.add_folder("Keep", order=-6.0):
             preset = gui.add_dropdown("Case", (NO_PRESET, *names()), initial_value=NO_PRESET)
             preset.on_update(lambda event: self._take_preset(event.target.value))
@@ -134,63 +166,48 @@ class ExploreSession(Session):
                 ("Pin", self._pin), ("Save case", self._save_case), ("Keep result", self._keep_result)
             ):  # fmt: skip
                 gui.add_button(label).on_click(functools.partial(self._try, deed))
-            models = gui.add_button_group("Pin a model", self._handles["solver"][1].options)
-            models.on_click(lambda event: self._pin_model(event.target.value))
+            second = gui.add_dropdown(
+                "Second model", (NO_MODEL, *self.sliders.handles["solver"][1].options),
+                hint="of every change, what this model makes of the same motion, instead of the pinned result",
+            )  # fmt: skip
+            second.on_update(lambda event: self._set_second(event.target.value))
             self._line = gui.add_html("")
-
-    def _add_control(self, control: Control, visible: bool) -> None:
-        gui, value = self.client.gui, control.shown(control.value)
-        if control.kind == SWITCH:
-            handle: Any = gui.add_checkbox(control.label, value, hint=control.text, visible=visible)
-        elif control.kind == CHOICE:
-            handle = gui.add_dropdown(
-                control.label, control.options, initial_value=value, hint=control.text, visible=visible
-            )
-        else:
-            low, high, step = control.slider()
-            value = min(max(value, low), high)
-            handle = gui.add_slider(control.label, low, high, step, value, hint=control.text, visible=visible)
-        self._handles[control.key] = handle, control
-
-        @handle.on_update
-        async def _(event: Any) -> None:
-            # On viser's event loop: in the order of the page.
-            if event.client is not None:
-                self._change({control.key: control.meant(handle.value)}, control.key)
-
-    def _find(self, words: str) -> None:
-        """Show the keys that have all these words in their name or meaning."""
-        wanted, found = words.lower().split(), 0
-        with self.client.atomic():
-            for key, (handle, control) in self._handles.items():
-                text = f"{key} {control.text}".lower().replace("_", " ")
-                hit = bool(wanted) and all(word in text for word in wanted) and found < FOUND
-                found += hit and key not in FIRST
-                visible = key in FIRST or hit
-                if handle.visible != visible:
-                    handle.visible = visible
 
     # What changes.
 
     def _change(self, values: dict[str, Any], key: str) -> None:
         try:
-            case = self.case.changed(values)
+            case = self._with(values)
         except CaseError as error:
             self._complain(key, str(error.problems[0]))
             return
         if case != self.case:
             self._complain(key, "")
-            self._past.append(self.case)
-            self._future.clear()
-            self._go_to(case)
+            self._choose(case)
+
+    def _with(self, values: dict[str, Any]) -> Case:
+        """The case with some values changed; the Navier-Stokes model needs a viscosity, whatever the case is from."""
+        if values.get("solver") == "navier_stokes" and self.case.fluid.viscosity is None:
+            values = values | {"fluid.viscosity": WATER if self.case.fluid.density > DENSE else AIR}
+        return self.case.changed(values)
+
+    def _choose(self, case: Case) -> None:
+        """Go on to a case, from which undo leads back."""
+        self._past.append(self.case)
+        self._future.clear()
+        self._go_to(case)
 
     def _go_to(self, case: Case) -> None:
         self.case = case
+        self.sliders.show(case)
         self._ask(case, "run")
+        self._ask_second()
+        self._tell_address()
 
     def _ask(self, case: Case, what: str) -> None:
         try:
-            self._wishes[self._worker.ask(self._place, case)] = case, what
+            place = self._place if what == "run" else self._beside_place
+            self._wishes[self._worker.ask(place, case)] = case, what
         except OSError:
             self._message.content = notice("The solver process has ended; restart explore.")
 
@@ -198,52 +215,41 @@ class ExploreSession(Session):
         if self._past:
             self._future.append(self.case)
             self._go_to(self._past.pop())
-            self._set_controls()
 
     def _redo(self) -> None:
         if self._future:
             self._past.append(self.case)
             self._go_to(self._future.pop())
-            self._set_controls()
 
     def _take_preset(self, name: str) -> None:
-        case = self.first if name == NO_PRESET else brief(load_case(FOLDER / f"{name}.toml"))
-        self._past.append(self.case)
-        self._go_to(case)
-        self._set_controls()
-
-    def _set_controls(self) -> None:
-        """Have the controls show the case; what it does not have keeps its value."""
-        with self.client.atomic():
-            for key, (handle, control) in self._handles.items():
-                value = value_of(self.case, key)
-                if value is None or isinstance(value, tuple):
-                    continue
-                shown = control.shown(value)
-                if control.kind not in (SWITCH, CHOICE):
-                    shown = min(max(shown, handle.min), handle.max)
-                if handle.value != shown:
-                    handle.value = shown
+        self._choose(self.first if name == NO_PRESET else brief(load_case(FOLDER / f"{name}.toml")))
 
     def _complain(self, key: str, text: str) -> None:
         """Say why a value is refused, beside the keys and at the control."""
-        handle, control = self._handles[key]
         self._message.content = notice(text)
-        if handle.hint != (text or control.text):
-            handle.hint = text or control.text
+        self.sliders.blame(key, text)
 
     def _pin(self) -> None:
         """Compare with what is shown now."""
         with self._lock:
             old, self.pinned = self.pinned, self.run
+            self.pinned.label = "pinned"
             self._refresh()
             if old is not self.run:
                 self._drop(old)
 
-    def _pin_model(self, solver: str) -> None:
-        """Compare with what a model of the fluid makes of the same motion."""
+    def _set_second(self, model: str) -> None:
+        """Compare with what another model makes of the same motion, from now on; or with what is shown now."""
+        self._second = model
+        self._ask_second()
+        if model == NO_MODEL:
+            self._pin()
+
+    def _ask_second(self) -> None:
+        if self._second == NO_MODEL:
+            return
         try:
-            self._ask(self.case.changed({"solver": solver}), "pin")
+            self._ask(self._with({"solver": self._second}), "pin")
         except CaseError as error:
             self._complain("solver", str(error.problems[0]))
 
@@ -263,8 +269,9 @@ class ExploreSession(Session):
 
     def _arrive(self, number: int, path: Path | None, reason: str, seconds: float) -> None:
         """Show a result; called from the worker's listener."""
-        case, what = self._wishes.pop(number, (self.case, "run"))
-        for old in [one for one in self._wishes if one < number]:
+        case, what = self._wishes.get(number, (self.case, ""))
+        begun = reason == BEGUN
+        for old in [one for one, (_, kind) in self._wishes.items() if one < number + (not begun) and kind == what]:
             self._wishes.pop(old)
         with contextlib.suppress(RuntimeError):
             if path is None:
@@ -272,16 +279,17 @@ class ExploreSession(Session):
                     self._message.content = notice(reason)
                 return
             try:
-                content = path.read_bytes()
-                result = open_result(path)
-                path.unlink()
-                run = Run(result, "now", like=self.run)
+                content = b"" if begun else path.read_bytes()
+                run = Run(open_result(path), "now", like=self.run)
+                if not begun:
+                    path.unlink()
             except (UserError, OSError) as error:
-                self._message.content = notice(str(error))
+                if not begun:
+                    self._message.content = notice(str(error))
                 return
             run.content = content
             failed = notice(f"The run failed: {run.reason}") if run.status == "failed" else ""
-            self._message.content = failed + _took(case, seconds)
+            self._message.content = failed + _took(case, seconds, begun)
             self._take(run, what)
 
     def _take(self, run: Run, what: str) -> None:
@@ -291,12 +299,13 @@ class ExploreSession(Session):
                 return
             if what == "pin":
                 old, self.pinned = self.pinned, run
-                run.label = "pinned"
+                run.label = run.case.model
             else:
                 turns = self.run.turns(self.playback.frame)
                 old, self.run = self.run, run
                 self.runs = [run]
-                self.playback.position = float(run.index_at(turns))
+                self.playback.follow = run.live
+                self.playback.position = float(run.frames - 1 if run.live else run.index_at(turns))
                 self.bar.tell(run)
                 if self.playback.background != "none":
                     self.background.show("none", 0, self.theme)
@@ -327,9 +336,10 @@ def short_text(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
 
 
-def _took(case: Case, seconds: float) -> str:
+def _took(case: Case, seconds: float, begun: bool) -> str:
     beats = f", {case.time.periods:g} beats" if case.periodic and case.time.periods else ""
-    return f'<div data-took style="padding:0 4px;font-size:11px">{case.model}{beats}, {short(1e3 * seconds)} ms</div>'
+    taken = "being computed" if begun else f"{short(1e3 * seconds)} ms"
+    return f'<div data-took style="padding:0 4px;font-size:11px">{case.model}{beats}, {taken}</div>'
 
 
 def brief(case: Case) -> Case:

@@ -18,15 +18,23 @@ from typing import Any
 
 from taichiflap.case.case import Case, parse_case
 from taichiflap.errors import UserError
+from taichiflap.results.reader import part
 
 PATIENCE = 0.5
 """Maximum remaining time, s, of an outdated run that is completed."""
 PLACES = 64
 SHARED_MEMORY = Path("/dev/shm")
 
+LONG = 1.0
+"""A run that takes more seconds is shown while it is computed, and lets the wishes of other browsers go first."""
+DEEPEST = 3
+"""Runs at most that stand still for another's, one inside the other."""
+BEGUN = "begun"
+"""What is said, in the place of a reason, of a file that is being written."""
+
 Answer = Callable[[int, Path | None, str, float], None]
 """Called with the number of a wish and its result file; or None and why there is none, nothing if it was given up;
-and the seconds that it took."""
+and the seconds that it took. Before that, of a long run, with the file as it is written and `BEGUN`."""
 
 
 class _GivenUp(Exception):
@@ -112,7 +120,7 @@ class Worker:
                 answer = self._answers.get(place)
             if answer:
                 answer(number, path, reason, seconds)
-            elif path:
+            elif path and reason != BEGUN:
                 path.unlink(missing_ok=True)
         self.ready.set()
 
@@ -127,49 +135,78 @@ def _work(pipe: Any, wanted: Any, folder: str, threads: int | None, first: dict[
     with contextlib.suppress(UserError):
         simulate(parse_case(first), threads=threads).close()
     pipe.send((None, 0, None, "", 0.0))
-    wishes: dict[int, tuple[int, dict[str, Any]]] = {}
-    while True:
+    _Desk(pipe, wanted, Path(folder), threads).serve()
+
+
+class _Desk:
+    """Takes the wishes of all browsers, and computes one after the other.
+
+    A long run stops at times to let others go first: they are computed inside it.
+    """
+
+    def __init__(self, pipe: Any, wanted: Any, folder: Path, threads: int | None) -> None:
+        self._pipe, self._wanted, self._folder, self._threads = pipe, wanted, folder, threads
+        self._wishes: dict[int, tuple[int, dict[str, Any]]] = {}
+        self._depth = 0
+
+    def serve(self) -> None:
+        """Compute what comes, until there is nobody to ask any more."""
+        with contextlib.suppress(EOFError):
+            while True:
+                self._hear(wait=not self._wishes)
+                self._compute_next()
+
+    def _hear(self, wait: bool = False) -> None:
+        while wait or self._pipe.poll():
+            place, number, document = self._pipe.recv()
+            # A newer wish keeps the turn of the older.
+            self._wishes[place] = number, document
+            wait = False
+
+    def _compute_next(self) -> None:
+        place = next(iter(self._wishes))
+        number, document = self._wishes.pop(place)
+        self._pipe.send((place, number, *self._compute(place, number, document)))
+
+    def _compute(self, place: int, number: int, document: dict[str, Any]) -> tuple[Path | None, str, float]:
+        from taichiflap import simulate  # noqa: PLC0415 - in this process alone
+
+        path = self._folder / f"{number}.h5"
+        began, others, told = time.perf_counter(), 0.0, False
+
+        def progress(done: int, total: int) -> None:
+            nonlocal others, told
+            taken = time.perf_counter() - began - others
+            left = taken * (total - done) / max(done, 1)
+            if left > PATIENCE and self._wanted[place] != number:
+                raise _GivenUp
+            if taken < LONG:
+                return
+            if not told and part(path).exists():
+                told = True
+                self._pipe.send((place, number, part(path), BEGUN, taken))
+            others += self._let_others_go_first()
+
         try:
-            while not wishes or pipe.poll():
-                place, number, document = pipe.recv()
-                # A newer request keeps the turn of the older one.
-                wishes[place] = number, document
-        except EOFError:
-            return
-        place = next(iter(wishes))
-        number, document = wishes.pop(place)
-        answer = _compute(simulate, document, Path(folder) / f"{number}.h5", threads, _Wish(wanted, place, number))
-        pipe.send((place, number, *answer))
+            simulate(parse_case(document), path, threads=self._threads, progress=progress).close()
+        except _GivenUp:
+            reason = ""
+        except (UserError, OSError, ValueError, RuntimeError) as error:
+            reason = str(error) or type(error).__name__
+        else:
+            return path, "", time.perf_counter() - began - others
+        for left in self._folder.glob(f"{path.name}*"):
+            left.unlink(missing_ok=True)
+        return None, reason, time.perf_counter() - began - others
 
-
-class _Wish:
-    """Whether the current run is still requested."""
-
-    def __init__(self, wanted: Any, place: int, number: int) -> None:
-        self._wanted, self._place, self._number = wanted, place, number
-
-    def __call__(self) -> bool:
-        return bool(self._wanted[self._place] == self._number)
-
-
-def _compute(
-    simulate: Any, document: dict[str, Any], path: Path, threads: int | None, is_wanted: Callable[[], bool]
-) -> tuple[Path | None, str, float]:
-    began = time.perf_counter()
-
-    def progress(done: int, total: int) -> None:
-        left = (time.perf_counter() - began) * (total - done) / max(done, 1)
-        if left > PATIENCE and not is_wanted():
-            raise _GivenUp
-
-    try:
-        simulate(parse_case(document), path, threads=threads, progress=progress).close()
-    except _GivenUp:
-        reason = ""
-    except (UserError, OSError, ValueError, RuntimeError) as error:
-        reason = str(error) or type(error).__name__
-    else:
-        return path, "", time.perf_counter() - began
-    for left in path.parent.glob(f"{path.name}*"):
-        left.unlink(missing_ok=True)
-    return None, reason, time.perf_counter() - began
+    def _let_others_go_first(self) -> float:
+        """Compute what waits, and tell the seconds that this took."""
+        began = time.perf_counter()
+        self._hear()
+        if self._wishes and self._depth < DEEPEST:
+            self._depth += 1
+            try:
+                self._compute_next()
+            finally:
+                self._depth -= 1
+        return time.perf_counter() - began

@@ -24,7 +24,7 @@ from taichiflap.run.warnings import BENT, BROKEN
 from .. import camera
 from ..channel import Channel
 from ..colours import METRIC, theme
-from ..explore.session import ExploreSession, brief
+from ..explore.session import COMMAND, ExploreSession, brief
 from ..explore.worker import Worker
 from ..frames import UNREADABLE, Run
 from ..legend import Bar, bar_html
@@ -34,8 +34,6 @@ from . import picture, scene
 from .profiles import Profiles
 
 PANEL_WIDTH = 320
-COMMAND = ["taichiflap", "simulate", "case.toml"]
-"""What computes a case of a map anew, once it is saved."""
 BACK = "Back to the map"
 FRONT = "Line: Pareto front of lift and power."
 NOTHING = "Grey: a case without this metric."
