@@ -71,7 +71,7 @@ def _look(small: Path, big: Path) -> dict[str, float]:
         seconds[name] = time.perf_counter() - began
         most = before
         with browsers(viewer, 1):
-            session = viewer.sessions[0]
+            session = viewer.sessions[0].session
             session.playback.playing = False
             for index in np.linspace(0, viewer.runs[0].frames - 1, LOOKS).astype(int):
                 session.playback.position = float(index)

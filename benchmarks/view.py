@@ -30,7 +30,7 @@ def frame_times(viewer: Viewer) -> np.ndarray:
     """Processor seconds that each of the last frames takes on the server, files and charts included."""
     taken = []
     with browsers(viewer, 1):
-        session = viewer.sessions[0]
+        session = viewer.sessions[0].session
         session.playback.playing = False
         last = viewer.runs[0].frames - 1
         for index in range(last - 600, last):

@@ -294,7 +294,7 @@ def test_controls_take_nothing_but_what_they_offer(folder, capfd, number):
         say_hello(socket_of_a_page)
         wait_for(lambda: one.sessions)
         (session,) = one.sessions
-        session.act("frame", 20.0)
+        session.session.act("frame", 20.0)
         handles = session.client.gui._gui_input_handle_from_uuid
         before = {uuid: handle._impl.value for uuid, handle in handles.items()}
         assert len(handles) > 10

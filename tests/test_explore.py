@@ -52,7 +52,7 @@ def test_every_control_holds_the_value_of_the_case_and_stays_within_what_it_may_
 def test_what_matters_is_shown_in_units_that_suit_it():
     found = {one.key: one for one in controls(hawkmoth())} | {one.key: one for one in controls(hawkmoth("solver=dbet"))}
     modulus = found["wing.youngs_modulus"]
-    assert (modulus.label, modulus.shown(24.5e9)) == ("Youngs modulus, GPa", pytest.approx(24.5))
+    assert (modulus.label, modulus.shown(24.5e9)) == ("Young's modulus, GPa", pytest.approx(24.5))
     assert found["motion.pitch.amplitude_deg"].slider()[:2] == (0.0, 90.0)
     assert found["motion.plunge.amplitude"].label == "Plunge amplitude, mm"
     assert {"dbet", "uvlm"} <= set(found["solver"].options)

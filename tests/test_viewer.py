@@ -411,7 +411,7 @@ def test_a_page_gets_its_controls_before_it_has_told_its_name(folder, monkeypatc
 def test_a_browser_that_leaves_while_its_session_is_made_leaves_none(folder, monkeypatch):
     viewer = Viewer([folder / "dbet.h5"])
     client = type("Client", (), {"client_id": 7})()
-    monkeypatch.setattr(app, "Session", lambda *_: viewer._disconnect(client))
+    monkeypatch.setattr(app, "Visit", lambda *_: viewer._disconnect(client))
     try:
         viewer._connect(client)
         assert (viewer.sessions, viewer._gone, viewer._dropped) == ([], set(), {})

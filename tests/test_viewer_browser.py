@@ -87,7 +87,7 @@ def look(browser):
 
     def open_page(address, context=None, node="/wing", text="Reset view", query="", **options):
         if context is None:
-            context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
+            context = browser.new_context(**{"viewport": {"width": 1280, "height": 720}} | options)
             contexts.append(context)
         page = context.new_page()
         page.set_default_timeout(1e3 * SECONDS)
@@ -95,7 +95,7 @@ def look(browser):
         page.on("console", lambda message: message.type == "error" and errors.append(message.text))
         page.goto(f"{address}?fixedDpr=1{query}")
         page.wait_for_function(f"() => {NODE.format(node)}")
-        page.get_by_text(text, exact=True).wait_for()
+        page.get_by_text(text, exact=True).wait_for(state="attached")
         return page
 
     yield open_page
@@ -266,6 +266,8 @@ def test_layers_background_and_theme_act(serve, look):
     choose(page, "Background", "vorticity")
     page.wait_for_function(f"() => {NODE.format('/field/400/picture')}")
     page.get_by_text("Flow: vorticity, 1/s").wait_for()
+    page.mouse.move(640, 250)
+    page.wait_for_function("() => /speed .* m.s[^]*vorticity .* 1.s/.test(document.getElementById('tf-tip').innerText)")
     choose(page, "Background", "none")
     page.wait_for_function(f"() => !({NODE.format('/field/400/picture')})")
     assert page.locator(".tabler-icon-share").count() == 0
@@ -331,8 +333,9 @@ def test_a_theme_is_changed_while_playing_without_a_word_in_the_console(serve, l
 
 def test_a_narrow_window_has_its_controls_below_the_scene(serve, look):
     viewer = serve("uvlm")
-    page = look(viewer.address)
-    page.set_viewport_size({"width": 480, "height": 800})
+    page = look(viewer.address, viewport={"width": 480, "height": 800})
+    chart = page.locator(".u-over").first.bounding_box()
+    assert chart["y"] + chart["height"] < page.get_by_text("Scene", exact=True).bounding_box()["y"] < 800
     button = page.get_by_role("button", name="Pause")
     sheet = """document.querySelector('[style*="position: fixed"][style*="20em"]')"""
     page.wait_for_function(f"() => {sheet} && {sheet}.getBoundingClientRect().width === 480")
@@ -630,6 +633,27 @@ def test_a_notebook_shows_the_viewer_or_a_picture_where_there_is_none(browser, f
         context.close()
 
 
+def test_charts_are_chosen_and_a_result_is_explored_and_come_back_to(serve, look):
+    viewer = serve("dbet")
+    page = look(viewer.address)
+    stop(page)
+    page.get_by_text("Choose charts").click()
+    page.get_by_label("Vertical force", exact=True).click()
+    page.wait_for_function("() => location.search.includes('charts=tip_deflection,force_normal,power')")
+    page.get_by_label("Pitch angle of the undeformed chord", exact=True).click()
+    page.wait_for_function("() => location.search.includes('power,pitch')")
+    pitch = viewer.runs[0].result.pitch[200:401]
+    page.wait_for_function(
+        f"pitch => {CHARTS}.some(c => c.data[1].every((one, i) => Math.abs(one - pitch[i]) < 1e-12))",
+        arg=pitch.tolist(),
+    )
+    page.get_by_role("button", name="Explore this case").click()
+    page.get_by_text("Plunge amplitude, mm", exact=True).wait_for()
+    page.get_by_role("button", name="Back to the result").click()
+    page.get_by_role("button", name="Explore this case").wait_for()
+    page.get_by_text("Pitch angle of the undeformed chord", exact=False).first.wait_for()
+
+
 def test_a_slider_is_moved_and_the_wing_answers(look):
     small = ("time.periods=2", "time.steps_per_period=40", "dbet.elements=20")
     explorer = Explorer(CASES / "hawkmoth_dbet.toml", small, threads=1, port=18080)
@@ -638,7 +662,7 @@ def test_a_slider_is_moved_and_the_wing_answers(look):
         stop(page)
         (session,) = explorer.sessions
         numbers, wing = page.locator("[data-differences]").inner_text(), floats(page, "/wing")
-        label = page.get_by_text("Youngs modulus, GPa", exact=True)
+        label = page.get_by_text("Young's modulus, GPa", exact=True)
         assert label.count() == 1
         page.locator(".mantine-Slider-thumb").first.focus()
         for _ in range(3):

@@ -5,21 +5,25 @@ import time
 import uuid
 import webbrowser
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from taichiflap import Result, open_result
+from taichiflap.case.case import Case
 from taichiflap.maps.file import is_map
 from taichiflap.notation import printable
 from taichiflap.results.reader import PART, ResultError, part
 
 from . import camera, compare
 from .colours import theme
+from .explore.visit import Visit
+from .explore.worker import Worker
 from .field import Fields
 from .frames import Run
 from .scene import set_up
 from .server import Server, ViewError, announce
-from .session import Session, opening
+from .session import opening
 from .timeline import Playback
 
 LOOK_SECONDS = 0.25
@@ -53,7 +57,9 @@ class Viewer(Server):
         files = [Path(path) for path in paths]
         self.runs = [Run(_open(path), label) for path, label in zip(files, _labels(files), strict=True)]
         super().__init__(host, port, token)
-        self._fields = Fields(self.runs[0])
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="field")
+        self._fields = Fields(self.runs[0], self._pool)
+        self._worker: Worker | None = None
         self._dropped: dict[str, list[tuple[float, Playback]]] = {}
         self._browsers: dict[int, str] = {}
         camera.start(self.server, self.runs[0].box)
@@ -64,7 +70,11 @@ class Viewer(Server):
     def stop(self) -> None:
         """Stop serving and close the files."""
         super().stop()
-        self._fields.close()
+        for session in self.sessions:
+            session.close()
+        if self._worker:
+            self._worker.close()
+        self._pool.shutdown(wait=True, cancel_futures=True)
         for run in self.runs:
             run.close()
 
@@ -75,7 +85,7 @@ class Viewer(Server):
             actor.show(actor.run.frames - 1, opening(self.runs).layers)
 
     def _connect(self, client: Any) -> None:
-        session = Session(client, self.runs, opening(self.runs), self._fields)
+        session = Visit(client, self.runs, self._fields, self._explorer, self._pool)
         if not self._welcome(client, session):
             return
         # The answer arrives when the page has processed all messages sent so far.
@@ -91,6 +101,13 @@ class Viewer(Server):
                 self._dropped[browser] = recent
         self._guard(session.start, playback)
 
+    def _explorer(self, case: Case) -> Worker:
+        """The process that computes what is explored; begun with the first browser that does."""
+        with self._lock:
+            if self._worker is None or not self._worker.alive:
+                self._worker = Worker(case)
+            return self._worker
+
     def _forget(self) -> None:
         """Delete the states of browsers that have been disconnected for too long."""
         now = time.monotonic()
@@ -103,6 +120,8 @@ class Viewer(Server):
 
     def _disconnect(self, client: Any) -> None:
         session = self._take_leave(client)
+        if session:
+            session.close()
         with self._lock:
             browser = self._browsers.pop(client.client_id, None)
             if session and browser:

@@ -64,6 +64,11 @@ def home(box: Box, width: float, height: float, aside: float = LEGEND_PIXELS) ->
     return (x, -distance, z), (x, 0.0, z)
 
 
+def is_narrow(client: Any) -> bool:
+    """Whether a browser's window is a phone's."""
+    return bool(1.0 < client.camera.image_width <= NARROW)
+
+
 def narrow() -> str:
     """HTML style that gives viser's sheet the full width of a narrow window, below the scene."""
     sheet = '[style*="position: fixed"][style*="width: 20em"]'

@@ -1,7 +1,8 @@
 """Charts of series over time, with units and a dot at the current frame."""
 
+import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -24,6 +25,8 @@ HEIGHT = 106
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Okabe and Ito's."""
 WINDOWS = (LAST_BEAT, THIS_BEAT, ALL)
+CHOICES, FIRST = 1e12, -30.0
+"""Where the choice of charts stands, below them all, and the chart of a narrow window, above all else."""
 NUDGE = 1e-9
 """Small change of the end of the time axis. A page that receives new data while a chart is resized omits the axis
 numbers unless the range changes as well.
@@ -75,6 +78,21 @@ def quantities(runs: list[Run]) -> list[Quantity]:
     return [*found, *_own(runs)]
 
 
+def available(runs: list[Run], shown: list[Quantity]) -> list[Quantity]:
+    """Every series that may be shown: those that are at first, and all others that the results hold."""
+    known = {one.name for one in shown}
+    others = []
+    for name in runs[0].variables:
+        if name in known or name == "time" or not all(name in run.variables for run in runs):
+            continue
+        one = runs[0].result.describe(name)
+        if one.dimensions == ("time",):
+            most = max(float(np.nanmax(np.abs(run.series(name, 0, run.steps - 1, POINTS)[1]))) for run in runs)
+            factor, unit = prefixed(most, one.units) if one.units in ("m", "N", "W", "Pa") else (1.0, one.units)
+            others.append(Quantity(name, one.long_name[:1].upper() + one.long_name[1:], unit, factor))
+    return [*shown, *others]
+
+
 def _own(runs: list[Run]) -> Iterator[Quantity]:
     """Series that only the fluid model of these results defines."""
     for name in runs[0].variables:
@@ -92,19 +110,56 @@ class Charts:
         tab: the tab that contains them.
         runs: one result, or two to compare; the first defines the times.
         modes: whether to show the modal amplitudes of wings that have several.
+        choose: called with the names of what somebody wants to see instead.
+        narrow: whether the window is a phone's: the first chart stands above all controls.
     """
 
-    def __init__(self, gui: Any, tab: Any, runs: list[Run], playback: Playback, modes: bool = True) -> None:
-        self.runs = runs
-        self.quantities = [one for one in quantities(runs) if modes or one is not MODES]
+    def __init__(
+        self, gui: Any, tab: Any, runs: list[Run], playback: Playback, modes: bool = True, *,
+        choose: Callable[[list[str]], None] = lambda _: None, narrow: bool = False,
+    ) -> None:  # fmt: skip
+        self.runs, self._gui, self._tab, self._narrow = runs, gui, tab, narrow
+        usual = [one for one in quantities(runs) if modes or one is not MODES]
+        self._usual = [one.name for one in usual]
+        self._known = {one.name: one for one in available(runs, usual)}
+        self.quantities = self._chosen(playback)
         self._window: tuple[int, int] | None = None
         self._curves: dict[str, list[Array]] = {}
         self._times: Array = np.zeros(0)
         self._nudge = 0.0
         self._load(playback)
-        with tab:
-            self.handles = {
-                quantity.name: gui.add_uplot(
+        self.handles: dict[str, Any] = {}
+        self._draw(playback)
+        with tab, gui.add_folder("Choose charts", expand_by_default=False, order=CHOICES):
+            self._boxes = {
+                name: gui.add_checkbox(one.title, one in self.quantities) for name, one in self._known.items()
+            }
+        for box in self._boxes.values():
+            box.on_update(lambda event: event.client and choose([n for n, one in self._boxes.items() if one.value]))
+
+    def choose(self, playback: Playback) -> None:
+        """Show the charts that playback names. Others are hidden: the page complains of news for one that is gone."""
+        self.quantities = self._chosen(playback)
+        self._curves = {quantity.name: self._read(quantity) for quantity in self.quantities}
+        self._draw(playback)
+        shown = {one.name for one in self.quantities}
+        for name, handle in self.handles.items():
+            handle.visible = name in shown
+        for name, box in self._boxes.items():
+            if box.value != (name in shown):
+                box.value = name in shown
+
+    def _chosen(self, playback: Playback) -> list[Quantity]:
+        named = [self._known[name] for name in playback.charts if name in self._known]
+        return named or [self._known[name] for name in self._usual]
+
+    def _draw(self, playback: Playback) -> None:
+        for number, quantity in enumerate(self.quantities):
+            if quantity.name in self.handles:
+                continue
+            first = self._narrow and number == 0
+            with contextlib.nullcontext() if first else self._tab:
+                self.handles[quantity.name] = self._gui.add_uplot(
                     self._data(quantity, playback.frame),
                     self._series(quantity),
                     title=f"{quantity.title}, {quantity.unit}",
@@ -113,9 +168,8 @@ class Charts:
                     legend={"show": False},
                     height=HEIGHT,
                     padding=(8, 14, 0, 0),
+                    order=FIRST if first else None,
                 )
-                for quantity in self.quantities
-            }
 
     def show(self, playback: Playback, frame: int, again: bool = False) -> None:
         """Move the dots to the current frame; `again` reads the curves again after the file has grown."""

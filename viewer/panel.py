@@ -37,7 +37,7 @@ class Panel:
             "Follow the computation", playback.follow, visible=run.live, hint="always show the newest frame"
         )
         self._listen(self.follow, "follow")
-        with gui.add_folder("Scene"):
+        with gui.add_folder("Scene", expand_by_default=not camera.is_narrow(client)):
             reset = gui.add_button("Reset view")
             reset.on_click(lambda _: act("reset", None))
             self.background = gui.add_dropdown("Background", BACKGROUNDS, initial_value=playback.background)

@@ -25,7 +25,9 @@ from .server import notice
 from .timeline import Playback
 
 BESIDE_SECONDS = 0.12
-"""Minimum interval between updates of the charts' dots during playback, s."""
+"""What stands beside the scene, the charts' dots, moves no more often than this while playing."""
+FLUSH_SECONDS = 0.1
+"""What was said goes out within this time."""
 
 NOT_LOCKED = "This version of viser allows rotation of the view; “Reset view” undoes it."
 
@@ -81,9 +83,17 @@ class Session:
             self.panel.take(playback)
             if playback.dark != dark:
                 self._darken(playback.dark)
+            if playback.charts:
+                self.charts.choose(playback)
             self.charts.show(playback, playback.frame)
             self.show()
             self._tell_address()
+
+    def leave(self) -> None:
+        """Say no more: what the page is told of a control that is gone, it complains of."""
+        self._started = False
+        self.view.leave()
+        time.sleep(FLUSH_SECONDS)
 
     def tick(self, seconds: float) -> None:
         """Advance playback, if playing."""
@@ -187,6 +197,11 @@ class Session:
             self.playback.playing = False
             self.playback.position = float(self.run.frames - 1)
 
+    def _choose_charts(self, names: Sequence[str]) -> None:
+        self.playback.charts = tuple(names)
+        with self.client.atomic():
+            self.charts.choose(self.playback)
+
     def _reset_view(self, _: Any) -> None:
         self.view.reset()
 
@@ -205,6 +220,8 @@ class Session:
         if chosen.get("background") in BACKGROUNDS and self.run.draws_flow:
             playback.background = chosen["background"]
             self._tell_legend()
+        if "charts" in chosen:
+            self._choose_charts(chosen["charts"].split(","))
         if chosen.get("frame", "").isdecimal():
             timeline.seek(self.run, playback, int(chosen["frame"]))
         if dark != playback.dark:
@@ -215,7 +232,10 @@ class Session:
     def _chosen(playback: Playback) -> dict[str, str]:
         """What somebody chose, as the address holds it."""
         layers = ",".join(name for name, shown in playback.layers.items() if shown)
-        return {"layers": layers, "background": playback.background, "dark": str(int(playback.dark))}
+        return {
+            "layers": layers, "background": playback.background, "dark": str(int(playback.dark)),
+            "charts": ",".join(playback.charts),
+        }  # fmt: skip
 
     def _tell_address(self) -> None:
         if self._started:
@@ -249,6 +269,7 @@ class Session:
         "range": _set_range,
         "speed": _set_speed,
         "follow": _set_follow,
+        "charts": _choose_charts,
         "reset": _reset_view,
         "view": _look_at,
         "cursor": _point_at,
@@ -278,7 +299,10 @@ class Session:
         self.show()
 
     def _make_charts(self, playback: Playback) -> Charts:
-        return Charts(self.client.gui, self.panel.chart_tab, self.runs, playback)
+        return Charts(self.client.gui, self.panel.chart_tab, self.runs, playback, **self._chart_options())
+
+    def _chart_options(self) -> dict[str, Any]:
+        return {"choose": lambda names: self.act("charts", names), "narrow": camera.is_narrow(self.client)}
 
     def _caption(self) -> str:
         return caption(self.runs)

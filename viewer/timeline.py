@@ -19,7 +19,8 @@ class Playback:
         speed: beats per second.
         range: first and last frame of the user-defined loop.
         follow: stay at the newest frame of a run that is still being computed.
-        layers: names of the layers that differ from their default visibility.
+        charts: names of the variables in the charts; none for the usual ones.
+        layers: names of the layers that are hidden or shown against their default.
     """
 
     position: float = 0.0
@@ -31,6 +32,7 @@ class Playback:
     dark: bool = False
     background: str = "none"
     window: str = LAST_BEAT
+    charts: tuple[str, ...] = ()
     layers: dict[str, bool] = field(default_factory=dict)
 
     @property

@@ -18,7 +18,12 @@ FIRST = (
     "motion.plunge.amplitude", "motion.plunge.phase_deg", "motion.pitch.amplitude_deg", "motion.pitch.phase_deg",
     "motion.pitch.mean_deg", "fluid.density",
 )  # fmt: skip
-"""Keys that are always shown; all others can be searched."""
+"""The keys that matter first: they are shown, all others behind a search."""
+NAMES = {
+    "solver": "Fluid model", "wing.youngs_modulus": "Young's modulus", "wing.density": "Wing density",
+    "fluid.density": "Fluid density",
+}  # fmt: skip
+"""What some keys are called, where their own name without its underscores will not do."""
 HIDDEN = ("title", "output", "motion.start_up", "motion.start_up_periods", "time.duration", "time.step")
 """Keys that are not offered."""
 REACH = 4.0
@@ -55,7 +60,7 @@ class Control:
         """The name and the unit."""
         name = self.key.rpartition(".")[2].removesuffix("_deg").replace("_", " ")
         section = self.key.split(".")[-2] if self.key.startswith("motion.") and self.key.count(".") > 1 else ""
-        return f"{section} {name}".strip().capitalize() + (f", {self.unit}" if self.unit else "")
+        return NAMES.get(self.key, f"{section} {name}".strip().capitalize()) + (f", {self.unit}" if self.unit else "")
 
     def shown(self, value: Any) -> Any:
         """Convert a value of the case to the control's."""

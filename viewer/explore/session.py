@@ -82,7 +82,7 @@ class ExploreSession(Session):
         """Let go of what is this browser's alone."""
         for place in (self._place, self._beside_place):
             self._worker.release(place)
-        self.view.leave()
+        self.leave()
         with self._lock:
             self._closed = True
             for run in {id(one): one for one in (self.run, self.pinned)}.values():
@@ -91,11 +91,16 @@ class ExploreSession(Session):
     # What is shown, besides what every session shows.
 
     def _make_charts(self, playback: Playback) -> Charts:
-        return Charts(self.client.gui, self.panel.chart_tab, [self.run, self.pinned], playback, modes=False)
+        return Charts(self.client.gui, self.panel.chart_tab, [self.run, self.pinned], playback, modes=False,
+                      **self._chart_options())  # fmt: skip
 
     def _caption(self) -> str:
-        second = self.pinned.label if self._second != NO_MODEL else "as pinned"
-        return f'<div style="font-size:11px;padding:2px 4px">Blue: as it is now. Orange: {second}.</div>'
+        return f'<div style="font-size:11px;padding:2px 4px">Blue: as it is now. Orange: {self._other}.</div>'
+
+    @property
+    def _other(self) -> str:
+        """What the case is compared with."""
+        return "pinned" if self._second == NO_MODEL else self.pinned.case.model
 
     def _set_up(self) -> tuple[Stage, list[Actor]]:
         scene, ranges = self.client.scene, common_ranges([self.run])
@@ -115,7 +120,7 @@ class ExploreSession(Session):
     def _tell(self) -> None:
         """The numbers, and what was changed."""
         line = shlex.join([*self._command, *(part for setting in self._settings() for part in ("--set", setting))])
-        self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1], (self.pinned.label, "now"))
+        self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1], (self._other, "now"))
         self.panel.caption.content = self._caption()
         self._line.content = (
             f'<div style="padding:4px;font-size:11px"><code data-copy title="a click copies it" '
@@ -233,7 +238,6 @@ class ExploreSession(Session):
         """Compare with what is shown now."""
         with self._lock:
             old, self.pinned = self.pinned, self.run
-            self.pinned.label = "pinned"
             self._refresh()
             if old is not self.run:
                 self._drop(old)
@@ -299,7 +303,6 @@ class ExploreSession(Session):
                 return
             if what == "pin":
                 old, self.pinned = self.pinned, run
-                run.label = run.case.model
             else:
                 turns = self.run.turns(self.playback.frame)
                 old, self.run = self.run, run

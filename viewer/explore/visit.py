@@ -1,0 +1,106 @@
+"""One browser of a result: it may go on to explore the case of that result, and come back."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+from taichiflap.case.case import Case
+
+from ..field import Fields
+from ..frames import Run
+from ..session import Session, opening
+from ..timeline import Playback
+from .session import COMMAND, ExploreSession, brief
+from .worker import Worker
+
+EXPLORE, BACK = "Explore this case", "Back to the result"
+
+
+class Visit:
+    """What one browser sees: the result, or its case among sliders.
+
+    Args:
+        client: viser's handle of the browser.
+        runs: one result, or two to compare, which have no sliders.
+        fields: the flow around the first.
+        worker: gives the process that computes what is explored.
+        pool: the thread for the flow's pictures.
+    """
+
+    def __init__(
+        self, client: Any, runs: Sequence[Run], fields: Fields, worker: Callable[[Case], Worker],
+        pool: ThreadPoolExecutor,
+    ) -> None:  # fmt: skip
+        self.client, self.runs, self.fields = client, runs, fields
+        self._worker, self._pool = worker, pool
+        self._explored: ExploreSession | None = None
+        self._result = self._show_result(opening(runs))
+
+    @property
+    def session(self) -> Session:
+        """What is shown."""
+        return self._explored or self._result
+
+    @property
+    def playback(self) -> Playback:
+        """Where the browser is in the result."""
+        return self._result.playback
+
+    def start(self, playback: Playback) -> None:
+        """Let the page go on from here."""
+        self.session.start(playback)
+
+    def tick(self, seconds: float) -> None:
+        """Play on."""
+        self.session.tick(seconds)
+
+    def grow(self) -> None:
+        """Take notice of new frames of the result, or that it is complete."""
+        if self._explored is None:
+            self._result.grow()
+            self._door.visible = self._may_explore
+
+    def close(self) -> None:
+        """Let go of what is this browser's alone."""
+        if self._explored:
+            self._explored.close()
+
+    @property
+    def _may_explore(self) -> bool:
+        return len(self.runs) == 1 and not self.runs[0].live
+
+    def _show_result(self, playback: Playback) -> Session:
+        shown = Session(self.client, self.runs, playback, self.fields)
+        self._door = self.client.gui.add_button(
+            EXPLORE,
+            order=-20.0,
+            visible=self._may_explore,
+            hint="change it by sliders, and see what comes of it at once",
+        )
+        self._door.on_click(lambda _: self._explore())
+        return shown
+
+    def _explore(self) -> None:
+        run, dark = self.runs[0], self._result.playback.dark
+        case = brief(run.case)
+        worker = self._worker(case)
+        self._result.leave()
+        with self.client.atomic():
+            self.client.gui.reset()
+            self.client.scene.reset()
+            self._explored = ExploreSession(self.client, case, COMMAND, run, worker, self._pool)
+            self.client.gui.add_button(BACK, order=-20.0).on_click(lambda _: self._return())
+        self._explored.start(replace(self._explored.playback, dark=dark))
+
+    def _return(self) -> None:
+        if self._explored is None:
+            return
+        playback = replace(self._result.playback, dark=self._explored.playback.dark)
+        left, self._explored = self._explored, None
+        left.close()
+        with self.client.atomic():
+            self.client.gui.reset()
+            self.client.scene.reset()
+            self._result = self._show_result(playback)
+        self._result.start(playback)
