@@ -135,7 +135,15 @@ class Charts:
                 name: gui.add_checkbox(one.title, one in self.quantities) for name, one in self._known.items()
             }
         for box in self._boxes.values():
-            box.on_update(lambda event: event.client and choose([n for n, one in self._boxes.items() if one.value]))
+            box.on_update(self._tell(choose))
+
+    def _tell(self, choose: Callable[[list[str]], None]) -> Callable[[Any], None]:
+        def listen(event: Any) -> None:
+            # What the server sets comes back without a client.
+            if event.client is not None:
+                choose([name for name, box in self._boxes.items() if box.value])
+
+        return listen
 
     def choose(self, playback: Playback) -> None:
         """Show the charts that playback names. Others are hidden: the page complains of news for one that is gone."""
