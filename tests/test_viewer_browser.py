@@ -15,6 +15,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -251,6 +252,32 @@ def test_a_link_leads_to_its_frame(serve, look):
     page.reload()
     page.wait_for_function(f"() => {NODE.format('/time')}")
     wait_for_frame(page, viewer, 137)
+
+
+def test_the_camera_saves_what_is_seen(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address)
+    stop(page)
+    go_to(page, viewer, 250)
+    canvas, saved = page.locator("canvas").first.bounding_box(), {}
+    for kind in ("PNG", "SVG"):
+        with page.expect_download() as download:
+            page.locator("#tf-camera").get_by_role("button", name=kind).click()
+        assert download.value.suggested_filename == f"taichiflap-250.{kind.lower()}"
+        saved[kind] = Path(download.value.path()).read_bytes()
+    picture = imread(io.BytesIO(saved["PNG"]))
+    assert picture.shape[:2] == pytest.approx((canvas["height"], canvas["width"]), abs=1)
+    force = np.abs(np.round(255.0 * picture[..., :3]) - LIGHT.force).sum(axis=-1) < 8
+    assert force.sum() > 4
+    root = ElementTree.fromstring(saved["SVG"])
+    circles = [one for one in root.iter() if one.tag.endswith("circle")]
+    wake = viewer.runs[0].result.wake(250)["circulation"]
+    assert len(circles) == len(wake)
+    colours = LIGHT.circulation.symmetric(wake, viewer.runs[0].ranges.circulation)
+    assert {one.get("fill") for one in circles} == {"#{:02x}{:02x}{:02x}".format(*one) for one in colours}
+    strokes = [one.get("stroke") for one in root.iter() if one.tag.endswith("path")]
+    assert strokes.count("#{:02x}{:02x}{:02x}".format(*LIGHT.force)) == 3
+    assert any(one.text.startswith("beat 2") for one in root.iter() if one.tag.endswith("text"))
 
 
 def test_layers_background_and_theme_act(serve, look):

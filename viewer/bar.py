@@ -11,10 +11,12 @@ from .channel import hidden
 from .frames import Run
 from .timeline import LOOPS, SPEEDS, Playback, span, speed_name
 
-_STYLE, _SCRIPT = (Path(__file__).with_name(name).read_text("utf-8") for name in ("bar.css", "bar.js"))
+_STYLE, _SCRIPT, _CAMERA = (
+    Path(__file__).with_name(name).read_text("utf-8") for name in ("bar.css", "bar.js", "camera.js")
+)
 _LINE = resources.files("taichiflap.drawing").joinpath("timeline.js").read_text("utf-8")
-HEAD = f"<style>{_STYLE}</style><script>{channel.SCRIPT}{_LINE}{_SCRIPT}</script>"
-"""HTML for the head of viser's page."""
+HEAD = f"<style>{_STYLE}</style><script>{channel.SCRIPT}{_LINE}{_SCRIPT}{_CAMERA}</script>"
+"""For the head of viser's page."""
 
 POINTS = 600
 """Number of points of the overview curve."""

@@ -116,5 +116,11 @@ const taichiflap = (() => {
     if (over) show(now ? JSON.parse(now) : "", ...over);
   }
   addEventListener("DOMContentLoaded", () => { document.body.append(tip); look(); });
-  return {send, find, told, chartUnder};
+  // What the canvas shows of the scene: left, top and right.
+  function seen() {
+    const box = window.__viserMutable.canvas.getBoundingClientRect();
+    const [left, top] = scenePlace(box.left, box.top);
+    return [left, top, scenePlace(box.right, box.top)[0]];
+  }
+  return {send, find, told, chartUnder, seen};
 })();
