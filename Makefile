@@ -42,7 +42,7 @@ lint: .venv/.dev  ## style and types
 bench: .venv/.bench  ## speed, as ratios within one run to the hardware's limit and to peers; writes docs/benchmarks
 	$(BIN)/python -m benchmarks
 
-bench-view: .venv/.dev  ## the viewer: first picture, time a frame, ten browsers, a large file
+bench-view: .venv/.dev  ## the viewer: first picture, time a frame, ten browsers, explore, a large file
 	$(BIN)/python -m benchmarks.view
 
 crash-test: .venv/.dev  ## kill runs and exports at 100 random moments, refuse every write in turn, and look at what is left

@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 import viser
-from taichiflap_viewer import Viewer
+from taichiflap_viewer.server import Server
 from websockets.sync.client import connect
 
 CAMERA = {
@@ -22,7 +22,7 @@ CAMERA = {
 
 
 @contextlib.contextmanager
-def browsers(viewer: Viewer, count: int) -> Iterator[None]:
+def browsers(viewer: Server, count: int) -> Iterator[None]:
     """So many browsers, in a process of their own; inside, each has its session."""
     with subprocess.Popen([sys.executable, "-m", __spec__.name, viewer.address, str(count)]) as process:
         while len(viewer.sessions) < count:

@@ -1,4 +1,4 @@
-"""`make bench-view`: the viewer's time a frame, ten browsers at once, its first picture, and a large file."""
+"""`make bench-view`: the viewer's time a frame, ten browsers at once, its first picture, explore, and a large file."""
 
 import argparse
 import statistics
@@ -15,7 +15,7 @@ from taichiflap_viewer.timeline import ALL
 
 import taichiflap
 
-from . import large, machine, picture
+from . import explore, large, machine, picture
 from .__main__ import printed
 from .browsers import browsers
 from .rows import Row
@@ -123,7 +123,12 @@ def main() -> None:
         shipped, many = Path(folder, "shipped.h5"), Path(folder, "many.h5")
         taichiflap.simulate(hawkmoth(), shipped).close()
         taichiflap.simulate(hawkmoth("uvlm.wake=2000", "uvlm.core=0.02"), many).close()
-        for rows in (picture.rows(shipped), files(shipped, Path(folder, "large.h5")), server(shipped, many, minutes)):
+        for rows in (
+            picture.rows(shipped),
+            explore.rows(),
+            files(shipped, Path(folder, "large.h5")),
+            server(shipped, many, minutes),
+        ):
             printed(rows)
 
 
