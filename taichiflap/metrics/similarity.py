@@ -1,7 +1,7 @@
-"""Dimensionless numbers of a case's motion, its speeds, and its angle of attack, as they are quoted.
+"""Dimensionless numbers of a case's motion, its speeds, and its angle of attack.
 
-All are of the prescribed motion, over the last beat, or over the whole run where nothing repeats. The reference speed U
-is that of `march.reference`: the stream's, or in hover the root mean square speed of mid-chord.
+All refer to the prescribed motion over the last beat, or over the whole run for a non-periodic motion. The reference
+speed U is that of `march.reference`: the stream's, or in hover the root-mean-square speed of mid-chord.
 """
 
 import functools
@@ -19,17 +19,17 @@ from ..motion import attack, sampling
 
 @dataclass(frozen=True)
 class Similarity:
-    """Numbers that say which flows are alike.
+    """Similarity numbers of a case.
 
     Attributes:
         reynolds: U c / nu; None without `fluid.viscosity`.
-        reduced_frequency: pi f c / U; None where nothing repeats or moves.
-        pivot_speed: mean speed of the pivot along its path, without the stream, m/s: of a plunge without pitch 2 f
-            times the stroke from end to end.
-        wing_tip_speed: that of the wing's tip on the same stroke, the pivot's times span over radius, m/s; None unless
-            the case knows its radius (`motion.measured`).
+        reduced_frequency: pi f c / U; None for a non-periodic motion or a wing at rest.
+        pivot_speed: mean speed of the pivot along its path, without the stream, m/s; for a plunge, 2 f times the stroke
+            from end to end.
+        wing_tip_speed: mean speed of the wing tip, the pivot's speed times span over radius, m/s; None without a radius
+            (`motion.measured`).
         angle_of_attack_mean, angle_of_attack_rms: mean and root mean square of the geometric angle of attack, between 0
-            and 180 deg, while the pivot moves at more than 5 % of its largest speed; None where it rests.
+            and 180 deg, while the pivot moves at more than 5 % of its maximum speed; None if it is at rest.
     """
 
     reynolds: float | None
@@ -41,7 +41,7 @@ class Similarity:
 
     @classmethod
     def of(cls, case: Case) -> "Similarity":
-        """Those of a case."""
+        """Similarity numbers of a case."""
         chord, frequency, viscosity = case.wing.chord, case.motion.frequency, case.fluid.viscosity
         speed = reference(case).speed
         pivot, mean, rms = _moved(case.motion, case.fluid, case.duration, case.beat)

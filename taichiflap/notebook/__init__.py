@@ -1,1 +1,1 @@
-"""How results, cases and maps look in a notebook."""
+"""Display of results, cases and maps in a notebook."""

@@ -1,4 +1,4 @@
-"""The viewer inside a notebook, in a process of its own: a cell that computes does not hold up its page."""
+"""The viewer inside a notebook, in a separate process, so that a running cell does not block its page."""
 
 import contextlib
 import subprocess
@@ -15,14 +15,14 @@ from ..results.reader import Result
 from . import html
 
 WAIT_SECONDS = 60.0
-"""A viewer that has not said its address by then will not."""
+"""Time limit, s, for the viewer to print its address."""
 
 
 class Inline:
-    """A viewer of one result, shown where this object is the value of a cell; a picture where no viewer can be reached.
+    """A viewer of one result, shown as the value of a cell; a picture is shown where no viewer can be reached.
 
     Attributes:
-        address: of the viewer's page, with its token; nothing where it did not start.
+        address: address of the viewer's page, with its token; empty if it did not start.
     """
 
     def __init__(self, result: Result, height: int = 600, options: Sequence[str] = ()) -> None:
@@ -39,7 +39,7 @@ class Inline:
         self.address = self._said()
 
     def close(self) -> None:
-        """Stop the viewer; the picture stays."""
+        """Stop the viewer; the picture remains."""
         self._end()
         self.address = ""
 
@@ -55,14 +55,14 @@ class Inline:
     def _repr_html_(self) -> str:
         if not self.address:
             return self._still
-        # A browser shows what is inside an object that it cannot reach: in a notebook that is read elsewhere.
+        # If the object cannot be loaded, as in a notebook read elsewhere, a browser shows its content.
         return (
             f'<object data="{escape(self.address)}" type="text/html" style="width:100%;height:{self.height}px">'
             f"{self._still}</object>"
         )
 
     def _said(self) -> str:
-        """The address, from the last line that the viewer prints when it starts."""
+        """The address, from the last line that the viewer prints at start."""
         lines: list[str] = []
 
         def read() -> None:

@@ -1,4 +1,4 @@
-"""Small pictures as SVG, by hand: a notebook shows them at once, where matplotlib takes half a second."""
+"""Small SVG pictures without matplotlib, which takes half a second to load."""
 
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -11,12 +11,12 @@ from ..drawing import palette
 Array = NDArray[np.float64]
 
 POINTS = 200
-"""Most points of a curve."""
+"""Maximum number of points of a curve."""
 PAD = 4.0
 
 
 def picture(width: float, height: float, parts: Iterable[str], label: str) -> str:
-    """An SVG of some parts, with what it shows in words for who cannot see it."""
+    """An SVG of some parts, with a text description for accessibility."""
     size = f'width="{width:g}" height="{height:g}" viewBox="0 0 {width:g} {height:g}"'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="{escape(label)}">{"".join(parts)}</svg>'
@@ -24,7 +24,7 @@ def picture(width: float, height: float, parts: Iterable[str], label: str) -> st
 
 
 def curve(values: ArrayLike, title: str, unit: str, width: float = 200.0, height: float = 64.0) -> str:
-    """A sparkline: a curve from left to right, its zero, and its least and greatest value in words."""
+    """A sparkline: a curve, its zero line, and its minimum and maximum as text."""
     y = np.asarray(values, dtype=float)
     y = y[:: max(1, -(-len(y) // POINTS))]
     known = y[np.isfinite(y)]
@@ -44,11 +44,11 @@ def curve(values: ArrayLike, title: str, unit: str, width: float = 200.0, height
 
 
 class Page:
-    """Places in metres, to the right and up, on a picture.
+    """Mapping from positions in metres (right, up) to a picture.
 
     Args:
         box: left, right, bottom and top, m.
-        width, height: of the picture, at most.
+        width, height: maximum size of the picture.
     """
 
     def __init__(self, box: Sequence[float], width: float, height: float) -> None:
@@ -58,19 +58,19 @@ class Page:
         self._corner = np.array((left, top))
 
     def __call__(self, places: ArrayLike) -> Array:
-        """Places (..., 2) on the picture."""
+        """Positions (..., 2) on the picture."""
         found: Array = (np.asarray(places, dtype=float) - self._corner) * (self.scale, -self.scale)
         return found
 
 
 def line(start: Sequence[float] | Array, end: Sequence[float] | Array, colour: str, thick: float) -> str:
-    """A line between two places of the picture."""
+    """A line between two points of the picture."""
     (a, b), (c, d) = start, end
     return f'<path d="M{a:.1f} {b:.1f}L{c:.1f} {d:.1f}" stroke="{colour}" stroke-width="{thick:g}" fill="none"/>'
 
 
 def path(places: Array, colour: str, thick: float) -> str:
-    """A line through places (n, 2) of the picture."""
+    """A line through points (n, 2) of the picture."""
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in places)
     return (
         f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{thick:g}" stroke-linecap="round"/>'
@@ -78,7 +78,7 @@ def path(places: Array, colour: str, thick: float) -> str:
 
 
 def dots(places: Array, colours: NDArray[np.uint8], size: float) -> Iterable[str]:
-    """Dots at places (n, 2), each in its colour (n, 3)."""
+    """Dots at points (n, 2) with colours (n, 3)."""
     for (a, b), colour in zip(places, colours, strict=True):
         yield f'<circle cx="{a:.1f}" cy="{b:.1f}" r="{size:g}" fill="{css(colour)}"/>'
 

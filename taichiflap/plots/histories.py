@@ -1,4 +1,4 @@
-"""Series of results over their last beats, one panel a quantity, one colour a result."""
+"""Series of results over their last beats, with one panel per series and one colour per result."""
 
 import difflib
 import itertools
@@ -20,7 +20,7 @@ from ..results.reader import Result
 from . import style
 
 Panel = tuple[str, str, tuple[str, ...]]
-"""A panel: what its axis bears, its unit, and its series."""
+"""A panel: axis label, unit, and series."""
 DEFLECTION: Panel = ("Tip deflection", "m", ("tip_deflection",))
 PLUNGE: Panel = ("Plunge", "m", ("plunge",))
 PITCH: Panel = ("Pitch", "deg", ("pitch",))
@@ -30,34 +30,34 @@ LIFT: Panel = ("Lift across the stream", "N", ("lift",))
 THRUST: Panel = ("Thrust against the stream", "N", ("thrust",))
 POWER: Panel = ("Mechanical power", "W", ("power", "power_aerodynamic", "power_inertial"))
 STYLES: Any = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
-"""The power and its parts: name and line."""
+"""The power and its parts: name and line style."""
 PREFIXED = ("m", "N", "W", "N m", "J", "Pa")
-"""Units that are drawn in the multiple that suits the values."""
+"""Units that are scaled by a prefix to suit the values."""
 ROW, BESIDE = 2.2, 0.5
-"""Height of a row of panels, and of what stands around the rows, inches."""
+"""Height of a row of panels, and of the rest of the figure, inches."""
 COLUMN = 3
-"""Panels that stand over each other; more stand in two columns."""
+"""Maximum number of panels in one column; more are drawn in two columns."""
 LONG = 30
-"""Characters of a label that fit beside a panel."""
+"""Maximum length of a label next to a panel."""
 
 
 class SeriesError(UserError):
-    """A series that results do not have: one sentence with those that there are."""
+    """Raised for a series that a result lacks; one sentence with the available ones."""
 
 
 def summary(
     results: Sequence[Result], width: float = style.WIDTH, metrics: Sequence[str] = (), beats: int = 1
 ) -> Figure:
-    """Tip deflection, forces and power of each result, or other series, over the last beats.
+    """Tip deflection, forces and power of each result, or the given series, over the last beats.
 
     Args:
-        width: inches.
-        metrics: names of series to show in the place of these.
-        beats: how many beats, of a motion that repeats.
+        width: width of the figure, inches.
+        metrics: names of series to show instead.
+        beats: number of beats, for a periodic motion.
 
     Raises:
-        SceneError: when a result has no whole beat.
-        SeriesError: when a result has no such series.
+        SceneError: if a result has no whole beat.
+        SeriesError: if a result has no such series.
     """
     for result in results:
         scene.last_steps(result)
@@ -93,7 +93,7 @@ def summary(
             if len(shown) > 1:
                 ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
             if len(series) > 1:
-                # Above the tallest line, so that the key crosses none of them.
+                # Above the tallest line, so that the legend crosses no line.
                 low, high = ax.get_ylim()
                 ax.set_ylim(low, high + 0.14 * (high - low))
                 key = [Line2D([], [], linestyle=line, color=palette.LIGHT.ink, label=name) for name, line in STYLES]
@@ -108,7 +108,7 @@ def summary(
 
 
 def panels(results: Sequence[Result]) -> list[Panel]:
-    """What a summary shows: lift and thrust where there is a stream, and the motion of wings that do not bend."""
+    """Default panels: lift and thrust in a stream, and the motion of rigid wings."""
     cases = [result.case for result in results]
     moved = PLUNGE if any(np.ptp(result.plunge) for result in results) else PITCH
     first = DEFLECTION if any(case.wing.modes for case in cases) else moved
@@ -117,10 +117,10 @@ def panels(results: Sequence[Result]) -> list[Panel]:
 
 
 def chosen(results: Sequence[Result], metrics: Sequence[str]) -> list[Panel]:
-    """A panel for each of some series by name.
+    """A panel for each named series.
 
     Raises:
-        SeriesError: when a result has no such series.
+        SeriesError: if a result has no such series.
     """
     found: list[Panel] = []
     for name in dict.fromkeys(metrics):
@@ -128,7 +128,7 @@ def chosen(results: Sequence[Result], metrics: Sequence[str]) -> list[Panel]:
             there = [one for one in result.variables if one != "time" and result.describe(one).dimensions == ("time",)]
             if name not in there:
                 near = difflib.get_close_matches(name, there, 1)
-                hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(there)}"
+                hint = f"did you mean {near[0]}?" if near else f"the series are {', '.join(there)}"
                 raise SeriesError(f"--metric {name}: not a series of {result.path or scene.label(result)}; {hint}")
         one = results[0].describe(name)
         said = one.long_name if len(one.long_name) <= LONG else name.replace("_", " ")
@@ -138,12 +138,12 @@ def chosen(results: Sequence[Result], metrics: Sequence[str]) -> list[Panel]:
 
 
 def _whole(result: Result, beats: int) -> int:
-    """How many of the last so many beats a result has."""
+    """Number of beats shown for a result, at most `beats`."""
     return min(beats, math.floor(round(float(result.time[-1]) / result.case.beat, 9)))
 
 
 def _last(result: Result, name: str, beats: int) -> np.ndarray:
-    """A series over the last beats; of a force in a stream its part across or against it."""
+    """A series over the last beats; in a stream, lift or thrust of a force."""
     steps = scene.last_steps(result, beats)
     if name in ("lift", "thrust"):
         lift, thrust = in_stream(result.case, result.force_y[steps], result.force_z[steps])
@@ -152,7 +152,7 @@ def _last(result: Result, name: str, beats: int) -> np.ndarray:
 
 
 def _unit(results: Sequence[Result], panel: Panel, beats: int) -> tuple[float, str]:
-    """Factor to what a panel is drawn in, and its name."""
+    """Display unit of a panel: factor and name."""
     _, unit, series = panel
     if unit == "deg":
         return 180.0 / math.pi, unit
@@ -163,7 +163,7 @@ def _unit(results: Sequence[Result], panel: Panel, beats: int) -> tuple[float, s
 
 
 def _names(results: Sequence[Result]) -> list[str]:
-    """Title and model of each result; of several in a figure the name of its file too."""
+    """Title and model of each result, with file names if there are several."""
     names = [f"{scene.label(result)} ({result.case.model})" for result in results]
     if len(results) == 1:
         return names
@@ -171,7 +171,7 @@ def _names(results: Sequence[Result]) -> list[str]:
 
 
 def _mean_force(result: Result) -> str:
-    """The mean vertical force, or thrust in a stream, as `info` gives it; nothing of a run that failed."""
+    """The mean vertical force, or thrust in a stream, as in `info`; empty for a failed run."""
     settled = summarise(result) if result.status != "failed" else None
     if settled is None:
         return ""
@@ -181,7 +181,7 @@ def _mean_force(result: Result) -> str:
 
 
 def _shade(ax: Any, result: Result, length: float, beats: int) -> None:
-    """Shade the half-strokes towards +Z; `length` is what a beat is on the axis."""
+    """Shade the half-strokes towards +Z; `length` is the length of a beat on the axis."""
     case = result.case
     end = round(result.time[scene.last_steps(result)][-1] / case.beat)
     first = end - beats
@@ -206,7 +206,7 @@ def _shade(ax: Any, result: Result, length: float, beats: int) -> None:
 
 
 def _mark_shedding(ax: Any, turns: np.ndarray, sheds: np.ndarray, number: int) -> None:
-    """A bar along the bottom while the leading edge sheds; those of several results lie over each other."""
+    """A bar along the bottom while the leading edge sheds; bars of several results overlap."""
     low = 0.025 * number
     colour, over = palette.SHEETS[1], ax.get_xaxis_transform()
     ax.fill_between(turns, low, low + 0.02, where=sheds, transform=over, color=colour, linewidth=0.0, zorder=1)

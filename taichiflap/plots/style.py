@@ -1,4 +1,4 @@
-"""How figures look: the house's own style, or a style of matplotlib's, or of the user's, over it."""
+"""Style of figures: the default style, optionally with a style of matplotlib or of the user on top."""
 
 import difflib
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ HOUSE: Any = {
     "legend.frameon": False,
     "lines.linewidth": 1.2,
     "savefig.dpi": 200,
-    # Text stays text in a journal's editor.
+    # Text stays editable in a journal's editor.
     "pdf.fonttype": 42,
     "ps.fonttype": 42,
     "svg.hashsalt": "taichiflap",
@@ -43,22 +43,22 @@ HOUSE: Any = {
     "ytick.labelcolor": palette.LIGHT.ink,
 }
 KEPT = ("svg.hashsalt", "text.parse_math")
-"""What no other style changes: figures are the same from day to day, and a title is no formula."""
+"""Settings that no other style changes: figures are reproducible, and titles are not parsed as formulas."""
 
 _over: ContextVar[Any] = ContextVar("style", default=None)
 
 
 def current() -> Any:
-    """The style in force, as settings of matplotlib."""
+    """The current style, as settings of matplotlib."""
     return HOUSE | (_over.get() or {})
 
 
 @contextmanager
 def using(name: str | None) -> Iterator[None]:
-    """Have figures follow a style within the block: the name of one of matplotlib's, or a `.mplstyle` file.
+    """Context that applies a style to figures: the name of a matplotlib style, or a `.mplstyle` file.
 
     Raises:
-        OutputError: when there is no such style.
+        OutputError: if there is no such style.
     """
     before = _over.set({key: value for key, value in _settings(name).items() if key not in KEPT} if name else {})
     try:
