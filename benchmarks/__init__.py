@@ -1,1 +1,1 @@
-"""Speed, as ratios within one run to what the hardware can do and to what a user would pick instead: `make bench`."""
+"""Benchmarks as ratios to the hardware's limit and to alternative programs, within one run: `make bench`."""

@@ -1,4 +1,6 @@
-"""Time to accuracy: seconds to the lift of a plate that plunges at k = 0.5, against Theodorsen, ours and a peer's."""
+"""Time to accuracy: processor time against the error in the lift of a plate plunging at k = 0.5, for taichiflap and
+PteraSoftware.
+"""
 
 import math
 from dataclasses import dataclass
@@ -25,7 +27,7 @@ OURS_NAME, PTERA_NAME = "taichiflap, plate", "PteraSoftware, wing of aspect rati
 
 @dataclass(frozen=True)
 class Point:
-    """A setting: what it costs, s of processor time, and how far its lift is off in amplitude (%) and phase (deg)."""
+    """A setting: its cost, s of processor time, and the error of its lift in amplitude (%) and phase (deg)."""
 
     who: str
     panels: int

@@ -1,4 +1,4 @@
-"""Browsers without a screen: connections that say what a page says first, and drop whatever comes."""
+"""Simulated browsers: connections that send the first messages of a page and ignore the answers."""
 
 import contextlib
 import subprocess

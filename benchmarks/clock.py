@@ -1,4 +1,4 @@
-"""Clocks: medians of repeats that take turns, in time on the wall and in time on the processors."""
+"""Timing: medians of alternating repeats, in wall time and in processor time."""
 
 import statistics
 import time
@@ -24,7 +24,7 @@ Work = Callable[[], Callable[[], object]]
 
 
 def alternate(works: Mapping[str, Work], repeats: int = REPEATS) -> dict[str, Clocked]:
-    """Clock several pieces of work in turns, so that a change of the machine's mood meets them all.
+    """Time several pieces of work in turns, so that changes of the machine's load affect all of them.
 
     One turn goes ahead unclocked, to compile and to warm caches.
     """

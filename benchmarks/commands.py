@@ -1,4 +1,4 @@
-"""What a user waits for besides the solve: the start of the command, its first compilation, and its output."""
+"""Time besides the solve: start of the command, first compilation, and output."""
 
 import functools
 import os

@@ -1,4 +1,4 @@
-"""A result of a gigabyte: what opening it and looking at it costs against a small one, in a process of its own."""
+"""A result of a gigabyte: the cost of opening and viewing it compared with a small one, in a separate process."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Whole programs beside ours: the same UVLM in NumPy, and PteraSoftware's free-wake flapping wing."""
+"""Comparison with other programs: the same UVLM in NumPy, and PteraSoftware's free-wake flapping wing."""
 
 import functools
 from collections.abc import Iterator

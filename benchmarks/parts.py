@@ -1,6 +1,6 @@
-"""The UVLM with one part of its step done again and again: what that adds to a run's time is what the part costs.
+"""Cost of each part of a UVLM step, measured by repeating it.
 
-Every part here gives the same when it is done again, so the run's numbers stay as they are, to the bit.
+Every part is idempotent, so that results stay bit-identical.
 """
 
 import dataclasses

@@ -1,6 +1,6 @@
 """Long wakes: the time of one step of the march against the number of wake vortices, by pairs and by the tree.
 
-A wake that is shorter than `longwake.WIDE` is one thread's work.
+A wake shorter than `long_wake.WIDE` is computed by one thread.
 """
 
 import functools

@@ -1,9 +1,9 @@
-"""Flexibility and kinematics of the hawkmoth in both models side by side: where do DBET and UVLM agree?
+"""Flexibility and kinematics of the hawkmoth in both models: where do DBET and UVLM agree?
 
     python examples/design_map.py FOLDER [MODULI PITCHES]
 
-writes FOLDER/design_map.h5 with its figures and prints how often the models agree. The default map of 12 moduli by
-13 pitch amplitudes takes a minute or two on two cores; killed, it goes on where it stopped.
+writes FOLDER/design_map.h5 with figures and prints how often the models agree. The default map of 12 moduli by 13 pitch
+amplitudes takes a minute or two on two cores. After an interruption it continues.
 """
 
 import sys
@@ -31,7 +31,7 @@ PAPERS_BLADES = (
 """The blade elements of Reade & Jankauski (2020)."""
 LEVELS = (0.25, 0.5, 0.8, 1.25, 2.0, 4.0)
 AGREE = 0.2
-"""Within a fifth of each other: where the paper's two models may stand for one another."""
+"""Relative difference within which the models count as equal."""
 
 
 def run(folder: Path, moduli: int = 12, pitches: int = 13, settings: tuple[str, ...] = ()) -> xarray.Dataset:
@@ -47,12 +47,12 @@ def ratio(chart: xarray.Dataset, metric: str) -> xarray.DataArray:
 
 
 def agreement(chart: xarray.Dataset, metric: str) -> xarray.DataArray:
-    """Where the models are within a fifth of each other, true or false."""
+    """Whether the models agree within a fifth."""
     return np.abs(np.log(ratio(chart, metric))) <= np.log(1.0 + AGREE)
 
 
 def draw(chart: xarray.Dataset) -> Figure:
-    """UVLM over DBET for each compared metric; what agrees is left white."""
+    """UVLM over DBET for each compared metric; agreement is white."""
     with mpl.rc_context(HOUSE):
         figure = Figure((7.1, 2.5), layout="constrained")
         axes = figure.subplots(1, len(COMPARED), sharey=True)

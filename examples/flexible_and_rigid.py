@@ -1,4 +1,4 @@
-"""What bending does to the hawkmoth's force: one beat of the flexible wing and of a rigid one.
+"""Effect of flexibility on the hawkmoth's force: one beat of the flexible wing and of a rigid wing.
 
 python examples/flexible_and_rigid.py flexible_and_rigid.png
 """

@@ -1,4 +1,5 @@
-"""Thrust of a plate that plunges in a stream, against Garrick's theory of 1936: it is all suction at the leading edge.
+"""Thrust of a plate that plunges in a stream, compared with Garrick's theory of 1936: it is entirely leading-edge
+suction.
 
 python examples/forward_flight.py forward_flight.png
 """
@@ -19,7 +20,7 @@ FREQUENCIES = (0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0)
 
 
 def compute(frequencies=FREQUENCIES, steps=80):
-    """Mean thrust coefficients over the square of the plunge in chords, at reduced frequencies pi f c/U."""
+    """Mean thrust coefficients divided by the squared plunge amplitude in chords, at reduced frequencies pi f c/U."""
     cases = [
         parse_case(
             {

@@ -2,7 +2,7 @@
 
     python examples/frames.py docs/theory/frames.svg
 
-Drawn from the motion of the package itself: the wing is where `taichiflap.motion` puts it.
+The position of the wing is computed by `taichiflap.motion`.
 """
 
 import sys
@@ -19,7 +19,7 @@ from taichiflap.motion import sampling
 from taichiflap.plots.style import HOUSE
 
 PITCH = 35.0
-"""Of the wing that is drawn, degrees."""
+"""Pitch of the drawn wing, degrees."""
 INK, BLUE, ORANGE, GREEN = palette.LIGHT.ink, *palette.LINES, palette.LIGHT.force
 
 

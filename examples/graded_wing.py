@@ -2,9 +2,9 @@
 
     python examples/graded_wing.py docs/graded_wing.svg
 
-The hawkmoth's wing and stroke with a stiffness that falls linearly along the chord: from the leading to the trailing
-edge by a factor, and all of it scaled so that the first natural frequency is a multiple of the flapping frequency.
-After Reade & Jankauski's study of graded rigidity (2022).
+The hawkmoth's wing and stroke with a stiffness that decreases linearly along the chord by a factor, scaled so that the
+first natural frequency is a multiple of the flapping frequency. After Reade & Jankauski's study of graded rigidity
+(2022).
 """
 
 import sys
@@ -31,7 +31,7 @@ FALLS = (1.0, 0.3, 0.1, 0.03)
 
 
 def graded(case, ratio, fall):
-    """The case with its stiffness so graded, and its first natural frequency at `ratio` times the flapping's."""
+    """The case with graded stiffness, and its first natural frequency at `ratio` times the flapping frequency."""
     unit = case.override(f"wing.flexural_rigidity=[[0.0, 1e-6], [1.0, {1e-6 * fall}]]")
     first = beam.modes(unit.wing).frequency[0]
     root = 1e-6 * (ratio * case.motion.frequency / first) ** 2

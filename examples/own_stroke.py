@@ -1,4 +1,4 @@
-"""A stroke of one's own: hovering with a triangular stroke and a quick turn at its ends, seen from the side.
+"""A custom stroke: hover with a triangular stroke and quick pitch reversals, seen from the side.
 
 python examples/own_stroke.py own_stroke.png
 """

@@ -1,4 +1,4 @@
-"""A map in a second: peak tip deflection and lift for power over the wing's stiffness, by blade elements.
+"""A sweep in a second: peak tip deflection and lift per power over the wing's stiffness, with blade elements.
 
 python examples/stiffness.py stiffness.png
 """

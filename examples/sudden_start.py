@@ -1,4 +1,4 @@
-"""A plate that starts suddenly: its lift grows as Wagner calculated in 1925, since its wake holds it back.
+"""A suddenly started plate: the wake delays its lift, as calculated by Wagner in 1925.
 
 python examples/sudden_start.py sudden_start.png
 """
@@ -18,7 +18,7 @@ CHORD, SPEED, ANGLE = 0.1, 1.0, 1.0
 
 
 def compute(chords=10.0, step=0.05):
-    """Distances s (half-chords) and the share of the steady lift that is there by then."""
+    """Distances s (half-chords) and the fraction of the steady lift."""
     case = parse_case(
         {
             "wing": {"chord": CHORD, "span": 1.0, "thickness": 1e-3, "density": 1e3, "modes": 0},

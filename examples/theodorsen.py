@@ -1,7 +1,8 @@
 """A third fluid model in one file, `solver = "module:theodorsen"`: linear theory of a thin wing in a stream.
 
-Theodorsen's loads (NACA Report 496, 1935), with the wake's memory in two lags after R. T. Jones (NACA Report 681, 1938;
-his fit of Wagner's function is off by up to 1 %). For small angles to a stream of speed U along the chord, a unit span:
+Theodorsen's loads (NACA Report 496, 1935), with the wake's memory as two lags after R. T. Jones (NACA Report 681, 1938;
+the error of his fit of Wagner's function is up to 1 %). For small angles to a stream of speed U along the chord, per
+unit span:
 
     F_c = -pi rho U c L[w]           in the distribution of a flat plate's steady load,
     F_r = -pi rho c^2/4 U da/dt      twice that of a plate in heave, less the steady one,
