@@ -36,7 +36,7 @@ FORCE = 40.0
 UNACCOUNTED = 0.03
 """Share of unaccounted work that gives a warning."""
 BACKWARDS = -0.1
-"""Mean speed from trailing to leading edge, relative to the root-mean-square speed, that counts as flow from behind."""
+"""Mean velocity from leading to trailing edge, over the root-mean-square speed, below which flow is from behind."""
 TIMES = 2048
 
 
