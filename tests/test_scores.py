@@ -56,6 +56,7 @@ def test_quantities_of_known_waves():
     assert found["C_L phase 2"] == pytest.approx(math.degrees(0.7), abs=1e-3)
     assert found["C_D phase 2"] == pytest.approx(-math.degrees(1.0), abs=1e-3)
     assert found["C_L peak"] == pytest.approx(1.5, abs=1e-4)
+    assert found["Strouhal number"] == pytest.approx(2.0, rel=1e-4)
     assert found["tip amplitude"] == pytest.approx(2.0, rel=1e-6)
     assert found["tip phase"] == pytest.approx(-math.degrees(0.4), abs=1e-4)
     assert found["pitch amplitude"] == pytest.approx(math.degrees(math.atan(0.02)), rel=1e-3)

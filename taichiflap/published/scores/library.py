@@ -4,7 +4,7 @@ import difflib
 import functools
 from collections.abc import Iterable
 
-from . import flexible_cases, rigid_cases
+from . import flexible_cases, rigid_cases, viscous_cases
 from .tiers import ScoreError
 from .truths import Published
 
@@ -28,6 +28,8 @@ def published() -> tuple[Published, ...]:
         *rigid_cases.propulsion(),
         *flexible_cases.foils(),
         *flexible_cases.plates(),
+        viscous_cases.cylinder(),
+        viscous_cases.thin_plate(),
     )
 
 

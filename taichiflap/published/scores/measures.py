@@ -85,6 +85,17 @@ def _tip(trace: Trace) -> complex:
     return harmonic(trace.time, trace.tip, 1) / harmonic(trace.time, trace.plunge, 1)
 
 
+def _strouhal(trace: Trace) -> float:
+    """Frequency with which the lift rises through its mean, chords over the stream's speed."""
+    above = trace.lift - trace.lift.mean()
+    rises = np.flatnonzero((above[1:] > 0.0) & (above[:-1] <= 0.0))
+    if len(rises) < 2:
+        return 0.0
+    share = above[rises] / (above[rises] - above[rises + 1])
+    crossed = trace.time[rises] + share * (trace.time[1] - trace.time[0])
+    return float((len(crossed) - 1) / (crossed[-1] - crossed[0]))
+
+
 QUANTITIES: dict[str, Callable[[Trace], float]] = {
     "C_L mean": lambda trace: float(trace.lift.mean()),
     "C_D mean": lambda trace: float(trace.drag.mean()),
@@ -99,13 +110,14 @@ QUANTITIES: dict[str, Callable[[Trace], float]] = {
     "C_L phase 2": lambda trace: _phase(harmonic(trace.time, trace.lift, 2)),
     "C_D amplitude 2": lambda trace: abs(harmonic(trace.time, trace.drag, 2)),
     "C_D phase 2": lambda trace: _phase(harmonic(trace.time, trace.drag, 2)),
+    "Strouhal number": _strouhal,
     "pitch amplitude": lambda trace: math.degrees(math.atan(abs(harmonic(trace.time, trace.tip, 1)))),
     "tip amplitude": lambda trace: abs(_tip(trace)),
     "tip phase": lambda trace: _phase(_tip(trace)),
 }
 """Each over a window of a trace. Harmonics are of the beat; "2" is the second, the first of what repeats twice a beat.
-Phases and the pitch of the chord line are in degrees, the peak's time is in the unit of the window; the tip's
-deflection is over the plunge, and its phase relative to it."""
+The Strouhal number is that of a unit chord in a unit stream. Phases and the pitch of the chord line are in degrees, the
+peak's time is in the unit of the window; the tip's deflection is over the plunge, and its phase relative to it."""
 
 
 def measure(trace: Trace, quantity: str, window: tuple[float, float]) -> float:

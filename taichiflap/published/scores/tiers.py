@@ -34,7 +34,9 @@ class Tier:
         return published.case().override(*self.settings, *published.settings.get(self.name, ()))
 
     def runs(self, published: Published) -> bool:
-        """Whether the model applies at the case's Reynolds number."""
+        """Whether the model applies to the case, and at its Reynolds number."""
+        if published.models is not None and self.name not in published.models:
+            return False
         if self.reynolds is None:
             return True
         return published.reynolds is not None and self.reynolds[0] <= published.reynolds <= self.reynolds[1]

@@ -64,6 +64,7 @@ class Published:
         waves: mean and harmonics of the published lift and drag coefficients, of a case whose time histories are drawn:
             `C(t) = Re(sum_n a_n exp(2 pi i n t))` with t in beats; empty where none were published.
         settings: additional settings of this case for a tier, by the tier's name.
+        models: names of the tiers that it is for; all if None.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Published:
     citation: str
     waves: Mapping[str, tuple[complex, ...]] | None = None
     settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    models: tuple[str, ...] | None = None
 
     def case(self) -> Case:
         """The case without a tier's settings."""
