@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -85,6 +86,26 @@ def test_the_command_draws_and_says_what_is_implausible(tmp_path, monkeypatch, c
     assert "motion                0.2 Hz, plunge 20 mm" in said.out
     assert "Reynolds number" in said.err
     assert (tmp_path / "hawkmoth-preview.png").stat().st_size > 10_000
+
+
+def test_the_viewer_shows_the_picture_and_takes_it_away():
+    from taichiflap_viewer import motion  # noqa: PLC0415 - the viewer alone needs it
+
+    client = MagicMock()
+    shown = motion.Motion(client, taichiflap.load_case(CASES / "measured_moth.toml"))
+    (push,), _ = client.gui.add_button.return_value.on_click.call_args
+    push(None)
+    (drawn,), _ = client.gui.add_image.call_args
+    assert drawn.shape[2] == 3
+    assert drawn.shape[0] > 400
+    assert drawn.min() < 50
+    assert drawn.max() == 255
+    window = shown.window
+    push(None)
+    window.remove.assert_called_once_with()
+    assert shown.window is None
+    push(None)
+    assert client.gui.add_image.call_args.args[0] is drawn  # drawn once
 
 
 @pytest.mark.slow

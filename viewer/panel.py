@@ -7,6 +7,7 @@ from . import camera
 from .charts import WINDOWS
 from .field import BACKGROUNDS
 from .frames import Run
+from .motion import Motion
 from .scene import LAYERS
 from .timeline import Playback
 
@@ -40,6 +41,7 @@ class Panel:
         with gui.add_folder("Scene", expand_by_default=not camera.is_narrow(client)):
             reset = gui.add_button("Reset view")
             reset.on_click(lambda _: act("reset", None))
+            self.motion = Motion(client, run.case)
             self.background = gui.add_dropdown("Background", BACKGROUNDS, initial_value=playback.background)
             if not run.draws_flow:
                 self.background.disabled = True
