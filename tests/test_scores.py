@@ -8,7 +8,8 @@ from conftest import hawkmoth
 
 import taichiflap
 from taichiflap.case.case import parse_case
-from taichiflap.published.scores import against, library, report, score, table, tiers, verdict
+from taichiflap.march.reference import reference
+from taichiflap.published.scores import against, comparison, library, report, score, table, tiers, traces, verdict
 from taichiflap.published.scores.measures import QUANTITIES, Trace, measure
 from taichiflap.published.scores.score import Outcome, Row
 from taichiflap.published.scores.tiers import TIERS, ScoreError
@@ -195,32 +196,110 @@ def test_what_is_known_covers_the_fast_tiers():
         assert Regime(**known[one.name]["regime"]).distance(Regime.of(one.case())) < 1e-9
 
 
-def test_the_models_own_trace_compares_without_a_difference(tmp_path):
+def written(path, names, *columns):
+    rows = "".join(",".join(map(str, row)) + "\n" for row in zip(*columns, strict=True))
+    path.write_text(f"# measured by nobody\n{names}\n{rows}")
+    return traces.read_trace(path)
+
+
+def test_a_models_own_trace_compares_without_a_difference_whatever_its_units_and_shift(tmp_path):
     case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
     with taichiflap.simulate(case) as result:
         beat = slice(600, 801)
-        time, force = result.time[beat], result.force_vertical[beat]
-    file = tmp_path / "mine.csv"
-    rows = "".join(f"{1000 * t},{1000 * f}\n" for t, f in zip(time, force, strict=True))
-    file.write_text(f"# measured by nobody\ntime [ms],force_vertical [mN]\n{rows}")
-    (found,) = against.compare(case, against.read_trace(file), [DBET])
-    assert found.rms < 0.02
-    assert found.mean[0] == pytest.approx(found.mean[1], rel=0.01)
-    assert found.peak_time[0] % 0.5 == pytest.approx(found.peak_time[1] % 0.5, abs=0.01)  # two like peaks a beat
-    late = against.Trace(file, time + 0.25 * case.beat, False, {"force_vertical": force})
-    (shifted,) = against.compare(case, late, [DBET], shift=None)
-    assert shifted.rms < 0.03
-    text = "\n".join(against.lines(late, [shifted]))
-    assert "force_vertical" in text
-    assert "rms diff." in text
+        time, force, moment = result.time[beat], result.force_vertical[beat], result.moment[beat]
+    names = "time [ms],force_vertical [mN],moment [uN m]"
+    mine = written(tmp_path / "mine.csv", names, 1e3 * time, 1e3 * force, 1e6 * moment)
+    late = written(tmp_path / "late.csv", names, 1e3 * (time + 0.2 * case.beat), 1e3 * force, 1e6 * moment)
+    for trace, shift, told in ((mine, 0.0, 0.0), (late, 0.2, 0.2), (late, None, 0.2)):
+        (found,) = against.compare(case, [trace], [DBET], shift=shift)
+        assert found.shift == pytest.approx(told, abs=0.003)
+        for quantity in trace.values:
+            measured, model = found.measured[quantity], found.modelled[quantity]["dbet"]
+            assert found.rms(quantity, "dbet") < 0.02
+            assert measured.mean == pytest.approx(model.mean, abs=0.01 * abs(model.peak))
+            assert measured.harmonics == pytest.approx(model.harmonics, abs=0.01 * abs(model.peak))
+            assert measured.peak_time % 0.5 == pytest.approx(model.peak_time % 0.5, abs=0.01)  # two like peaks a beat
 
 
-def test_coefficients_need_their_speed_and_lift_a_stream(tmp_path):
+def test_a_trace_has_one_shift_for_all_quantities_and_models(tmp_path):
+    """The sum of squares over all of them is least there; a force that repeats twice a beat takes the smaller shift."""
     case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
-    time = np.arange(50) / 50
-    for name, problem in (("C_V", "needs the reference speed"), ("lift", "needs a stream")):
-        with pytest.raises(ScoreError, match=problem):
-            against.compare(case, against.Trace(tmp_path, time, True, {name: time}), [DBET])
+    at = np.arange(80) / 80
+    waves = 2e-3 * (1.0 + np.cos(4 * np.pi * (at - 0.1))), 1e-6 * np.cos(2 * np.pi * at)
+    trace = written(tmp_path / "a.csv", "t/T,force_vertical [N],moment [N m]", at, *waves)
+    (found,) = against.compare(case, [trace], [DBET, PAPER], shift=None)
+    shifts = at - 0.5
+
+    def apart(late):
+        (one,) = against.compare(case, [trace], [DBET, PAPER], shift=late)
+        return sum(one.rms(name, tier.name) ** 2 for name in trace.values for tier in (DBET, PAPER))
+
+    assert apart(found.shift) <= min(map(apart, shifts[::16])) + 1e-3
+    assert found.alone.keys() == {"dbet", "dbet-paper"}
+    assert min(found.alone.values()) - 0.01 < found.shift < max(found.alone.values()) + 0.01
+    force = written(tmp_path / "b.csv", "t/T,force_vertical", at, waves[0])
+    (twice,) = against.compare(case, [force], [DBET], shift=None)
+    assert abs(twice.shift) < 0.26
+
+
+def test_files_of_a_comparison_on_one_page(tmp_path):
+    case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
+    at = np.arange(20) / 20
+    traced = [written(tmp_path / f"{name}.csv", f"t/T,{name}", at, 1.0 + at) for name in ("C_V", "power")]
+    found = against.compare(case, traced, [DBET, PAPER], speed=2.0, area=1e-3)
+    markdown, page = report.write_comparison(found, [DBET, PAPER], tmp_path)
+    text = markdown.read_text("utf-8")
+    for part in (
+        "## C_V.csv",
+        "## power.csv",
+        "power [W]",
+        "2 m/s (as stated), 0.001 m2 (as stated)",
+        "late, as stated",
+    ):
+        assert part in text
+    assert page.read_text("utf-8").count("data:image/svg") == text.count("![") == 2
+    printed = "\n".join(comparison.lines(found[0], [DBET, PAPER]))
+    assert "rms diff." in printed
+    assert "DBET, paper" in printed
+
+
+def test_coefficients_have_the_stated_reference_or_that_of_the_case(tmp_path):
+    case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
+    at = np.arange(20) / 20
+    trace = written(tmp_path / "a.csv", "t/T,C_V", at, 1.0 + at)
+    own, stated = (against.compare(case, [trace], [DBET], **given)[0] for given in ({}, {"speed": 3.0, "area": 2e-3}))
+    scale = reference(case)
+    ratio = 3.0**2 * 2e-3 / (scale.speed**2 * scale.area)
+    assert own.modelled["C_V"]["dbet"].mean == pytest.approx(ratio * stated.modelled["C_V"]["dbet"].mean)
+
+
+def test_a_ramp_compares_at_the_times_that_were_measured(tmp_path):
+    (one,) = library.chosen(["ramp45"])
+    case = one.case()
+    time = np.linspace(0.5, 3.0, 30)
+    (found,) = against.compare(case, [written(tmp_path / "a.csv", "time [s],C_L", time, time)], [DBET], shift=0.5)
+    assert found.phases[[0, -1]] == pytest.approx([0.0, 2.5])
+    assert found.measured["C_L"].values == pytest.approx(found.phases + 0.5)
+    assert found.measured["C_L"].harmonics == ()
+    with pytest.raises(ScoreError, match="does not repeat; state the shift"):
+        against.compare(case, [], [DBET], shift=None)
+    with pytest.raises(ScoreError, match="has no beat"):
+        against.compare(case, [written(tmp_path / "b.csv", "t/T,C_L", time, time)], [DBET])
+
+
+def test_lift_needs_a_stream(tmp_path):
+    case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
+    at = np.arange(20) / 20
+    with pytest.raises(ScoreError, match="lift needs a stream"):
+        against.compare(case, [written(tmp_path / "a.csv", "t/T,lift", at, at)], [DBET])
+
+
+def test_a_shift_is_a_number_or_best():
+    assert against.read_shift("best") is None
+    assert against.read_shift("-0.25") == -0.25
+    for text in ("later", "nan", "inf"):
+        with pytest.raises(ScoreError, match="give a number of beats, or best"):
+            against.read_shift(text)
 
 
 @pytest.mark.parametrize(
@@ -229,14 +308,16 @@ def test_coefficients_need_their_speed_and_lift_a_stream(tmp_path):
         ("t/T,C_V\n0,1\n", "give a line of names and at least 4 rows"),
         ("C_V,power [mW]\n" + "1,2\n" * 5, "needs one column of time"),
         ("t/T,force\n" + "1,2\n" * 5, 'column "force" is not known'),
-        ("t/T,power [hp]\n" + "1,2\n" * 5, "unit hp is not known"),
+        ("t/T,power [hp]\n" + "1,2\n" * 5, "unit hp is not one of power"),
         ("t/T,C_V\n0,1\n0.1,a\n0.2,1\n0.3,1\n0.4,1\n", "give numbers"),
-        ("t/T,C_V\n0,1\n0.1,1\n0.1,1\n0.3,1\n0.4,1\n", "times must increase"),
-        ("t/T\n0\n1\n2\n3\n4\n", "no column besides the time"),
+        ("t/T,C_V\n0,1\n0.1,1\n0.1,1\n0.3,1\n0.4,1\n", "times must rise"),
+        ("t/T,power [mN]\n" + "1,2\n" * 5, "unit mN is not one of power"),
+        ("t/T,power [mW],power [W]\n0,1,1\n1,1,1\n2,1,1\n3,1,1\n", "a quantity has two columns"),
+        ("t/T\n0\n1\n2\n3\n4\n", "no quantity beside the time"),
     ],
 )
 def test_traces_that_cannot_be_read(tmp_path, text, problem):
     file = tmp_path / "trace.csv"
     file.write_text(text)
     with pytest.raises(ScoreError, match=problem):
-        against.read_trace(file)
+        traces.read_trace(file)

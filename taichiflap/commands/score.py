@@ -24,14 +24,15 @@ def score(
         Path, typer.Option("-o", "--output", help="folder for the page, its figures and the computed data")
     ] = Path("scores"),
     speed: Annotated[
-        float | None, typer.Option(min=0.0, metavar="M/S", help="reference speed of the trace's coefficients")
+        float | None,
+        typer.Option(min=0.0, metavar="M/S", help="reference speed of its coefficients  [default: the case's]"),
     ] = None,
     area: Annotated[
         float | None,
         typer.Option(min=0.0, metavar="M2", help="reference area of the coefficients  [default: chord times span]"),
     ] = None,
     shift: Annotated[
-        str, typer.Option(metavar="BEATS|best", help="delay of the trace relative to the case's time")
+        str, typer.Option(metavar="BEATS|best", help="how late a trace is; best finds one shift a trace")
     ] = "0",
     settings: Settings = None,
     threads: Threads = None,
@@ -42,7 +43,7 @@ def score(
 
     wanted = tiers.chosen(filter(None, models.split(",")))
     if case_file or against:
-        _compare(case_file, against or [], wanted, speed, area, shift, settings or [], threads, output)
+        _compare(case_file, against or [], wanted, bool(models), speed, area, shift, settings or [], threads, output)
         return
     from ..published.scores import library, report, table
     from ..published.scores import score as study
@@ -57,26 +58,26 @@ def score(
 
 
 def _compare(
-    case_file: Path | None, traces: list[Path], wanted: Any, speed: float | None, area: float | None, shift: str,
-    settings: list[str], threads: int | None, output: Path,
+    case_file: Path | None, files: list[Path], wanted: Any, named: bool, speed: float | None, area: float | None,
+    shift: str, settings: list[str], threads: int | None, output: Path,
 ) -> None:  # fmt: skip
-    from .. import files
+    from .. import files as disk
     from ..case.case import load_case
-    from ..published.scores import against, pictures, report
+    from ..published.scores import against, comparison, report, traces
     from ..published.scores.tiers import ScoreError
 
-    if case_file is None or not traces:
+    if case_file is None or not files:
         raise ScoreError("a case file and --against go together: taichiflap score CASE --against trace.csv")
     case = load_case(case_file, settings)
-    late = against.read_shift(shift)
-    for file in traces:
-        trace = against.read_trace(file)
-        found = against.compare(case, trace, wanted, speed=speed, area=area, shift=late, threads=threads)
-        print("\n".join(against.lines(trace, found)))
-        files.make_folder(output)
-        path = output / f"{file.stem}.png"
-        report.save_figure(pictures.comparison(found), path)
-        print(f"{path} written")
+    if not named:
+        wanted = [tier for tier in wanted if tier.takes(case.reynolds)]
+    late, read = against.read_shift(shift), [traces.read_trace(file) for file in files]
+    disk.make_folder(output)
+    with _bar("comparing") as told:
+        found = against.compare(case, read, wanted, speed=speed, area=area, shift=late, threads=threads, progress=told)
+    for one in found:
+        print("\n".join(comparison.lines(one, wanted)))
+    print(*(f"{path} written" for path in report.write_comparison(found, wanted, output)), sep="\n")
 
 
 def _bar(title: str) -> Any:

@@ -101,18 +101,22 @@ def _history(axes: Any, one: Published, name: str, outcomes: Any, tiers: Sequenc
     axes.set(xlim=(first, last), ylabel=f"${name}$", xlabel=f"time, {unit}", title=one.name)
 
 
-def comparison(found: Sequence[Comparison]) -> Figure:
-    """A measured trace and the models, one chart per quantity."""
-    names = list(dict.fromkeys(one.quantity for one in found))
+def comparison(found: Comparison, tiers: Sequence[Tier]) -> Figure:
+    """A measured trace and the models, a chart a quantity."""
     with mpl.rc_context(STYLE):
-        drawn = Figure(figsize=(WIDTH, 2.4 * len(names)), layout="constrained")
-        for axes, name in zip(drawn.subplots(len(names), squeeze=False)[:, 0], names, strict=True):
-            own = [one for one in found if one.quantity == name]
-            axes.plot(own[0].phases, own[0].measured, color=_INK.ink, linewidth=2.5, alpha=0.35, label="measured")
-            for one, colour in zip(own, COLOURS, strict=False):
-                axes.plot(one.phases, one.modelled, color=colour, linewidth=1.0, label=one.tier.label)
-            axes.set(xlabel="time, beats" if own[0].harmonics else "time, s", ylabel=_written(name))
-        drawn.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=ABREAST)
+        drawn = Figure(figsize=(WIDTH, 0.5 + 2.2 * len(found.measured)), layout="constrained")
+        charts = drawn.subplots(len(found.measured), squeeze=False, sharex=True)[:, 0]
+        for axes, (name, measured) in zip(charts, found.measured.items(), strict=True):
+            axes.plot(found.phases, measured.values, color=_INK.ink, linewidth=2.5, alpha=0.35, label="measured")
+            for tier, colour in zip(tiers, COLOURS, strict=False):
+                if tier.name in found.modelled[name]:
+                    own = found.modelled[name][tier.name]
+                    axes.plot(found.phases, own.values, color=colour, linewidth=1.0, label=tier.label)
+            unit = found.trace.units[name][0]
+            axes.set(ylabel=_written(name.replace("_", " ") if unit != "1" else name) + f" ({unit})" * (unit != "1"))
+            axes.margins(x=0.0)
+        charts[-1].set_xlabel("time, beats" if found.periodic else "time, s")
+        drawn.legend(*charts[0].get_legend_handles_labels(), loc="outside upper center", ncols=ABREAST)
     return drawn
 
 

@@ -14,7 +14,8 @@ from ... import files
 from ..._version import __version__
 from ...scored.regime import Regime
 from .. import page
-from . import pictures
+from . import comparison, pictures
+from .against import Comparison
 from .library import EXCLUDED
 from .score import Row
 from .table import groups
@@ -22,6 +23,7 @@ from .tiers import Tier
 from .verdict import hopeless, sentence
 
 MARKDOWN, PAGE, STORE, KNOWN = "scores.md", "scores.html", "scores.json", "known.json"
+COMPARISON, COMPARISON_PAGE = "comparison.md", "comparison.html"
 RESOLUTION = 150
 
 
@@ -43,6 +45,26 @@ def write(rows: Sequence[Row], tiers: Sequence[Tier], folder: Path) -> list[Path
     _save(folder / MARKDOWN, page.markdown(found).encode())
     _save(folder / PAGE, page.page(found, folder).encode())
     return [folder / MARKDOWN, folder / PAGE]
+
+
+def write_comparison(found: Sequence[Comparison], tiers: Sequence[Tier], folder: Path) -> list[Path]:
+    """Write the page of measurements compared with models, and a figure each.
+
+    Returns:
+        The two pages.
+
+    Raises:
+        OutputError: when a file cannot be written.
+    """
+    names = [f"comparison-{number}" for number in range(1, len(found) + 1)]
+    for one, name in zip(found, names, strict=True):
+        figure = pictures.comparison(one, tiers)
+        for kind in ("png", "svg"):
+            save_figure(figure, folder / f"{name}.{kind}")
+    said = comparison.blocks(found, tiers, names)
+    _save(folder / COMPARISON, page.markdown(said).encode())
+    _save(folder / COMPARISON_PAGE, page.page(said, folder).encode())
+    return [folder / COMPARISON, folder / COMPARISON_PAGE]
 
 
 def known(rows: Sequence[Row]) -> dict[str, Any]:

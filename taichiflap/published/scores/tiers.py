@@ -34,12 +34,16 @@ class Tier:
         return published.case().override(*self.settings, *published.settings.get(self.name, ()))
 
     def runs(self, published: Published) -> bool:
-        """Whether the model applies to the case, and at its Reynolds number."""
+        """Whether the model applies to a published case, and at its Reynolds number."""
         if published.models is not None and self.name not in published.models:
             return False
+        return self.takes(published.reynolds)
+
+    def takes(self, reynolds: float | None) -> bool:
+        """Whether the model applies at a Reynolds number; None is that of a fluid without viscosity."""
         if self.reynolds is None:
             return True
-        return published.reynolds is not None and self.reynolds[0] <= published.reynolds <= self.reynolds[1]
+        return reynolds is not None and self.reynolds[0] <= reynolds <= self.reynolds[1]
 
 
 LABELS = {
