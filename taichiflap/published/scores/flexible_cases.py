@@ -5,7 +5,7 @@ from typing import Any
 
 from .truths import Published, Truth, around
 
-FOIL, PLATE = "Flexible foil in water", "Flexible plate, small motion"
+FOIL, PLATE, FLUTTER = "Flexible foil in water", "Flexible plate, small motion", "Onset of flutter"
 """Regimes of the report."""
 STROUHAL = (0.2, 0.345, 0.5, 0.7, 0.9)
 FOILS: dict[float, tuple[tuple[float | None, ...], tuple[float | None, ...]]] = {
@@ -32,6 +32,14 @@ EXACT = {
     (5.0, 4.0, 2.0): (2.995, -177.9),
 }
 """Tip deflection over the heave, and its phase (deg), by mass ratio, reduced speed and reduced frequency."""
+
+
+ONSETS = {0.2: (6.191, 1.6027), 1.0: (5.553, 1.5446)}
+"""Reduced speed and reduced frequency at which a free plate oscillates steadily, by mass ratio."""
+ABOUT_ONSET = (0.96, 1.0, 1.04)
+"""Shares of that speed at which a plate is let go."""
+PERIODS = 30
+"""Of the neutral oscillation that it is followed for: all but the mode that flutters dies within half."""
 
 
 def foils() -> list[Published]:
@@ -122,6 +130,50 @@ def plates() -> list[Published]:
                     Truth("tip phase", phase, phase - 1.0, phase + 1.0, (6.0, 8.0), exact),
                 ),
                 citation="exact linear theory: Wu's loads (J. Fluid Mech. 10, 1961) on an Euler-Bernoulli plate",
+            )
+        )  # fmt: skip
+    return found
+
+
+def fluttering() -> list[Published]:
+    """Free plates clamped at their leading edge, let go by a touch, below and above the exact onset of flutter."""
+    found = []
+    for mass_ratio, (onset, k) in ONSETS.items():
+        period = math.pi / k
+
+        def stiffness(speed: float, mass_ratio: float = mass_ratio) -> float:
+            return 1.0 / (mass_ratio * speed**2)
+
+        found.append(
+            Published(
+                name=f"flutter-{mass_ratio:g}",
+                group=FLUTTER,
+                about=f"free plate clamped at its leading edge, mass ratio {mass_ratio:g}",
+                document={
+                    "title": f"Plate about its onset of flutter, mass ratio {mass_ratio:g}",
+                    "solver": "uvlm",
+                    "wing": {
+                        "chord": 1.0, "span": 1.0, "modes": 4, "damping_ratio": 0.0,
+                        "mass_per_length": 1.0 / mass_ratio, "flexural_rigidity": stiffness(onset),
+                    },
+                    "motion": {
+                        "pitch": {"kind": "ramp", "amplitude_deg": 1e-3, "start": 0.2 * period, "ramp": 0.3 * period,
+                                  "hold": 0.1 * period, "smoothing": 11.0},
+                    },
+                    "fluid": {"density": 1.0, "velocity": [1.0, 0.0]},
+                    "time": {"duration": PERIODS * period, "step": period / 160},
+                    "uvlm": {"wake": 600},
+                },
+                reynolds=None,
+                speed=1.0,
+                truths=(
+                    around("onset of flutter", onset, 0.02, (0.5 * PERIODS * period, PERIODS * period),
+                           "exact linear theory; band: 2 %"),
+                ),
+                citation="exact linear theory: Wu's loads (J. Fluid Mech. 10, 1961) on an Euler-Bernoulli plate",
+                family={
+                    share * onset: (f"wing.flexural_rigidity={stiffness(share * onset)!r}",) for share in ABOUT_ONSET
+                },
             )
         )  # fmt: skip
     return found

@@ -28,6 +28,7 @@ def published() -> tuple[Published, ...]:
         *rigid_cases.propulsion(),
         *flexible_cases.foils(),
         *flexible_cases.plates(),
+        *flexible_cases.fluttering(),
         viscous_cases.cylinder(),
         viscous_cases.thin_plate(),
     )

@@ -1,7 +1,7 @@
 """Scored quantities: coefficients of a result over a window of time."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -120,6 +120,32 @@ The Strouhal number is that of a unit chord in a unit stream. Phases and the pit
 peak's time is in the unit of the window; the tip's deflection is over the plunge, and its phase relative to it."""
 
 
-def measure(trace: Trace, quantity: str, window: tuple[float, float]) -> float:
-    """Value of a quantity of a trace over a window."""
-    return QUANTITIES[quantity](trace.during(window))
+def _growth(trace: Trace) -> float:
+    """Logarithmic growth of the tip's oscillation from the first half of the times to the second."""
+    halves = np.split(trace.tip - trace.tip.mean(), 2)
+    first, second = (float(np.mean(half**2)) for half in halves)
+    return 0.5 * math.log(second / first)
+
+
+def _onset(traces: Sequence[Trace], speeds: Sequence[float]) -> float:
+    """The speed at which an oscillation neither grows nor dies, by a line through its growth at several speeds.
+
+    Not-a-number where that is further from them than they reach: the oscillation just grows, or dies.
+    """
+    slope, at_zero = np.polyfit(speeds, [_growth(trace) for trace in traces], 1)
+    onset, reach = -at_zero / slope, max(speeds) - min(speeds)
+    return float(onset) if min(speeds) - reach <= onset <= max(speeds) + reach else math.nan
+
+
+FAMILIES: dict[str, Callable[[Sequence[Trace], Sequence[float]], float]] = {"onset of flutter": _onset}
+"""Each of the traces of several runs and the values of what these vary, over a window."""
+
+
+def measure(traces: Sequence[Trace], quantity: str, window: tuple[float, float], varied: Sequence[float] = ()) -> float:
+    """A quantity of the trace of a run over a window, or of several runs.
+
+    Args:
+        varied: the value of what varies from run to run, one a trace; none for a quantity of one run.
+    """
+    during = [trace.during(window) for trace in traces]
+    return FAMILIES[quantity](during, varied) if quantity in FAMILIES else QUANTITIES[quantity](during[0])

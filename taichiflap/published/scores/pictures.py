@@ -62,8 +62,8 @@ def _written(quantity: str) -> str:
 
 
 def histories(rows: Sequence[Row], tiers: Sequence[Tier]) -> Figure | None:
-    """Lift and drag coefficients of the cases with stored time histories; None if there are none."""
-    cases = list(dict.fromkeys(row.published for row in rows if row.published.waves is not None))
+    """Lift and drag coefficients of the cases whose time histories are kept; None if there are none."""
+    cases = list(dict.fromkeys(row.published for row in rows if row.published.drawn))
     outcomes = {row.published.name: row.outcomes for row in rows}
     cases = [one for one in cases if any(outcome.trace for outcome in outcomes[one.name].values())]
     if not cases:
@@ -74,8 +74,10 @@ def histories(rows: Sequence[Row], tiers: Sequence[Tier]) -> Figure | None:
         for line, one in zip(grid, cases, strict=True):
             for axes, name in zip(line, ("C_L", "C_D"), strict=True):
                 _history(axes, one, name, outcomes[one.name], tiers)
-        handles, labels = grid[0, 0].get_legend_handles_labels()
-        drawn.legend(handles, labels, loc="outside upper center", ncols=ABREAST)
+        lines = {
+            label: line for axes in grid[:, 0] for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        drawn.legend(lines.values(), lines, loc="outside upper center", ncols=ABREAST)
     return drawn
 
 
@@ -86,6 +88,10 @@ def _history(axes: Any, one: Published, name: str, outcomes: Any, tiers: Sequenc
         turns = np.exp(2j * np.pi * np.outer(times, np.arange(len(one.waves[name]))))
         axes.plot(times, (turns @ np.array(one.waves[name])).real, color=_INK.ink, linewidth=2.5, alpha=0.35,
                   label="published, 4 harmonics")  # fmt: skip
+    if one.points:
+        times, *coefficients = zip(*one.points, strict=True)
+        values = coefficients[("C_L", "C_D").index(name)]
+        axes.plot(times, values, "o", color=_INK.ink, markersize=3, alpha=0.35, label="published")
     seen = []
     for tier, colour in zip(tiers, COLOURS, strict=False):
         trace = outcomes[tier.name].trace if tier.name in outcomes else {}

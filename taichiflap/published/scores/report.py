@@ -18,7 +18,7 @@ from . import comparison, pictures
 from .against import Comparison
 from .library import EXCLUDED
 from .score import Row
-from .table import groups
+from .table import groups, missing
 from .tiers import Tier
 from .verdict import hopeless, sentence
 
@@ -146,6 +146,5 @@ def _table(rows: Sequence[Row], tiers: Sequence[Tier]) -> page.Table:
 def _cell(row: Row, tier: Tier) -> str:
     value = row.value(tier.name)
     if value is None:
-        outcome = row.outcomes.get(tier.name)
-        return "not run" if outcome is None else "failed"
+        return missing(row, tier)
     return f"{value:.3g}, {100 * row.truth.error(value):+.0f} %, {row.truth.word(value)}"

@@ -1,7 +1,9 @@
 """Run published cases in every model, and store the outcomes, so that the next call continues."""
 
 import hashlib
+import itertools
 import json
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -26,8 +28,8 @@ class Outcome:
 
     Attributes:
         case, tier: names.
-        key: hash of the case file and the version; identifies the run.
-        values: by quantity; empty if the run failed.
+        key: of the case file and the version; another key is another run.
+        values: by quantity; empty if the run failed, without those that the model does not have.
         seconds: solve time, s.
         reason: why the run failed, or an empty text.
         trace: time, lift and drag coefficient of a case whose time histories are drawn.
@@ -87,9 +89,9 @@ class Store:
                 file.write(text.encode())
 
 
-def key_of(case: Case) -> str:
-    """Key of a run: the case and the version of the solver."""
-    return hashlib.sha256(f"{__version__}\n{case.to_toml()}".encode()).hexdigest()[:16]
+def key_of(cases: Sequence[Case]) -> str:
+    """What an outcome depends on: its cases and the version of the solver."""
+    return hashlib.sha256(f"{__version__}\n{''.join(case.to_toml() for case in cases)}".encode()).hexdigest()[:16]
 
 
 def score(
@@ -121,13 +123,13 @@ def score(
             if not tier.runs(one):
                 done += 1
                 continue
-            case = tier.case(one)
-            known = store.get(one.name, tier.name, key_of(case))
+            own = tier.cases(one)
+            known = store.get(one.name, tier.name, key_of(own))
             if known:
                 found[one.name, tier.name] = known
                 done += 1
             else:
-                missing.append((one, case))
+                missing.append((one, own))
         for first in range(0, len(missing), BATCH):
             group = missing[first : first + BATCH]
             outcomes = list(_run(group, tier, threads))
@@ -145,20 +147,25 @@ def score(
     ]
 
 
-def _run(group: Sequence[tuple[Published, Case]], tier: Tier, threads: int | None) -> Iterator[Outcome]:
-    # Only series, since storing the wake in every frame needs too much memory.
-    results = simulate([case.override(f"output.every={case.steps}") for _, case in group], threads=threads)
-    for (one, case), result in zip(group, results, strict=True):
-        with result:
-            values, drawn = {}, {}
-            if result.status == "complete":
-                trace = Trace.of(result, one.speed)
-                if one.waves is not None:
-                    drawn = _thinned(trace)
-                values = {truth.quantity: measure(trace, truth.quantity, truth.window) for truth in one.truths}
-            reason = result.attributes.get("reason", "")
-            seconds = float(result.attributes["solve_time"])
-            yield Outcome(one.name, tier.name, key_of(case), values, seconds, reason, drawn)
+def _run(group: Sequence[tuple[Published, Sequence[Case]]], tier: Tier, threads: int | None) -> Iterator[Outcome]:
+    # Series alone: a wake in every frame would fill the memory.
+    cases = [case.override(f"output.every={case.steps}") for _, own in group for case in own]
+    results = iter(simulate(cases, threads=threads))
+    for one, own in group:
+        traces, seconds, reason = [], 0.0, ""
+        for result in itertools.islice(results, len(own)):
+            with result:
+                seconds += float(result.attributes["solve_time"])
+                reason = reason or result.attributes.get("reason", "")
+                if result.status == "complete":
+                    traces.append(Trace.of(result, one.speed))
+        found = {}
+        if len(traces) == len(own):
+            found = {truth.quantity: measure(traces, truth.quantity, truth.window, [*one.family])
+                     for truth in one.truths}  # fmt: skip
+        values = {name: value for name, value in found.items() if math.isfinite(value)}
+        drawn = _thinned(traces[0]) if found and one.drawn else {}
+        yield Outcome(one.name, tier.name, key_of(own), values, seconds, reason, drawn)
 
 
 def _thinned(trace: Trace) -> dict[str, list[float]]:

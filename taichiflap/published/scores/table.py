@@ -20,11 +20,19 @@ def groups(rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
         yield name, sorted(own, key=lambda row: not hopeless(row))
 
 
+def missing(row: Row, tier: Tier) -> str:
+    """Why a tier has no value: it was not run, it failed, or the quantity does not occur in it."""
+    outcome = row.outcomes.get(tier.name)
+    if outcome is None:
+        return "not run"
+    return "failed" if outcome.reason else "none"
+
+
 def cell(row: Row, tier: Tier) -> str:
-    """A tier's value, error and mark; a dash if it was not run or failed."""
+    """A tier's value, error and mark, or why there is none."""
     value = row.value(tier.name)
     if value is None:
-        return "failed" if tier.name in row.outcomes else "-"
+        return missing(row, tier)
     return f"{value:.3g} {100 * row.truth.error(value):+.0f} % {MARKS[row.truth.word(value)]}"
 
 

@@ -29,9 +29,10 @@ class Tier:
     settings: tuple[str, ...]
     reynolds: tuple[float, float] | None = None
 
-    def case(self, published: Published) -> Case:
-        """A published case with this model."""
-        return published.case().override(*self.settings, *published.settings.get(self.name, ()))
+    def cases(self, published: Published) -> tuple[Case, ...]:
+        """A published case with this model: one, or its family."""
+        one = published.case().override(*self.settings, *published.settings.get(self.name, ()))
+        return tuple(one.override(*settings) for settings in published.family.values()) or (one,)
 
     def runs(self, published: Published) -> bool:
         """Whether the model applies to a published case, and at its Reynolds number."""

@@ -61,9 +61,13 @@ class Published:
         speed: the reference speed of its coefficients, m/s.
         truths: its published values.
         citation: where they come from.
-        waves: mean and harmonics of the published lift and drag coefficients, of a case whose time histories are drawn:
-            `C(t) = Re(sum_n a_n exp(2 pi i n t))` with t in beats; empty where none were published.
-        settings: additional settings of this case for a tier, by the tier's name.
+        waves: mean and harmonics of the published lift and drag coefficients, of a motion that repeats:
+            `C(t) = Re(sum_n a_n exp(2 pi i n t))` with t in beats.
+        points: published times, lift and drag coefficients of a motion that does not repeat. Time histories are drawn
+            of cases that have these or waves.
+        settings: what a tier changes of this case beside its own settings, by the tier's name.
+        family: settings of each run, by the value of what they vary, of figures that several runs give together: the
+            reduced speed about the onset of flutter. Empty for the figures of one run.
         models: names of the tiers that it is for; all if None.
     """
 
@@ -75,9 +79,16 @@ class Published:
     speed: float
     truths: tuple[Truth, ...]
     citation: str
-    waves: Mapping[str, tuple[complex, ...]] | None = None
+    waves: Mapping[str, tuple[complex, ...]] = field(default_factory=dict)
+    points: tuple[tuple[float, float, float], ...] = ()
     settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     models: tuple[str, ...] | None = None
+    family: Mapping[float, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def drawn(self) -> bool:
+        """Whether its time histories are drawn."""
+        return bool(self.waves or self.points)
 
     def case(self) -> Case:
         """The case without a tier's settings."""
