@@ -75,9 +75,8 @@ def known(rows: Sequence[Row]) -> dict[str, Any]:
         if one.name not in found:
             found[one.name] = {"regime": asdict(Regime.of(one.case())), "errors": {}}
         for tier in row.outcomes:
-            value = row.value(tier)
+            own, value = found[one.name]["errors"].setdefault(tier, {}), row.value(tier)
             if value is not None:
-                own = found[one.name]["errors"].setdefault(tier, {})
                 own[row.truth.quantity] = round(row.truth.error(value), 4)
     return found
 
