@@ -8,6 +8,7 @@ from conftest import hawkmoth
 
 import taichiflap
 from taichiflap.case.case import parse_case
+from taichiflap.commands import score as command
 from taichiflap.march.reference import reference
 from taichiflap.march.reference import reference
 from taichiflap.published.scores import against, comparison, library, report, score, table, tiers, traces, verdict
@@ -292,6 +293,22 @@ def test_files_of_a_comparison_on_one_page(tmp_path):
     printed = "\n".join(comparison.lines(found[0], [DBET, PAPER]))
     assert "rms diff." in printed
     assert "DBET, paper" in printed
+
+
+def test_the_command_compares_files_and_names_the_page(tmp_path, capsys):
+    case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
+    file = tmp_path / "wing.toml"
+    file.write_text(case.to_toml())
+    at = np.arange(20) / 20
+    traced = [written(tmp_path / f"{name}.csv", f"t/T,{name}", at, at).path for name in ("C_V", "power")]
+    given = {"models": "dbet", "cases": "", "speed": None, "area": None, "shift": "best", "output": tmp_path}
+    command.score(file, traced, **given)
+    printed = capsys.readouterr().out
+    assert printed.count("one shift found for all its quantities and models") == 2
+    assert "rms of the middle of the chord over a beat" in printed
+    assert f"{tmp_path / 'comparison.html'} written" in printed
+    with pytest.raises(ScoreError, match="go together"):
+        command.score(None, traced, **given)
 
 
 def test_coefficients_have_the_stated_reference_or_that_of_the_case(tmp_path):
