@@ -286,7 +286,7 @@ def test_files_of_a_comparison_on_one_page(tmp_path):
         "## power.csv",
         "power [W]",
         "2 m/s (as stated), 0.001 m2 (as stated)",
-        "late, as stated",
+        "beats, as stated",
     ):
         assert part in text
     assert page.read_text("utf-8").count("data:image/svg") == text.count("![") == 2
@@ -304,7 +304,7 @@ def test_the_command_compares_files_and_names_the_page(tmp_path, capsys):
     given = {"models": "dbet", "cases": "", "speed": None, "area": None, "shift": "best", "output": tmp_path}
     command.score(file, traced, **given)
     printed = capsys.readouterr().out
-    assert printed.count("one shift found for all its quantities and models") == 2
+    assert printed.count("one shift for all its quantities and models") == 2
     assert "rms of the middle of the chord over a beat" in printed
     assert f"{tmp_path / 'comparison.html'} written" in printed
     with pytest.raises(ScoreError, match="go together"):

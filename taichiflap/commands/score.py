@@ -25,14 +25,14 @@ def score(
     ] = Path("scores"),
     speed: Annotated[
         float | None,
-        typer.Option(min=0.0, metavar="M/S", help="reference speed of its coefficients  [default: the case's]"),
+        typer.Option(min=0.0, metavar="M/S", help="reference speed of the coefficients  [default: of the case]"),
     ] = None,
     area: Annotated[
         float | None,
         typer.Option(min=0.0, metavar="M2", help="reference area of the coefficients  [default: chord times span]"),
     ] = None,
     shift: Annotated[
-        str, typer.Option(metavar="BEATS|best", help="how late a trace is; best finds one shift a trace")
+        str, typer.Option(metavar="BEATS|best", help="delay of the trace; best finds one per trace")
     ] = "0",
     settings: Settings = None,
     threads: Threads = None,

@@ -20,11 +20,11 @@ def stated(found: Comparison, tiers: Sequence[Tier]) -> Iterator[str]:
         labels = {tier.name: tier.label for tier in tiers}
         alone = ", ".join(f"{labels[name]} {late:+.3f}" for name, late in found.alone.items())
         yield (
-            f"phase: the trace is {found.shift:+.3f} {unit} late, one shift found for all its quantities and models "
+            f"phase: the trace is delayed by {found.shift:.3f} {unit}, one shift for all its quantities and models "
             f"(each model alone: {alone}); peak times and phases are after this shift"
         )
     else:
-        yield f"phase: the trace is {found.shift:+.3f} {unit} late, as stated"
+        yield f"phase: the trace is delayed by {found.shift:.3f} {unit}, as stated"
     if any(units[0] == "1" for name, units in found.trace.units.items() if name in found.measured):
         scale = found.scale
         own = "the speed of the stream" if scale.stream else "rms of the middle of the chord over a beat"

@@ -62,7 +62,7 @@ def _written(quantity: str) -> str:
 
 
 def histories(rows: Sequence[Row], tiers: Sequence[Tier]) -> Figure | None:
-    """Lift and drag coefficients of the cases whose time histories are kept; None if there are none."""
+    """Lift and drag coefficients of the cases with stored time histories; None if there are none."""
     cases = list(dict.fromkeys(row.published for row in rows if row.published.drawn))
     outcomes = {row.published.name: row.outcomes for row in rows}
     cases = [one for one in cases if any(outcome.trace for outcome in outcomes[one.name].values())]
@@ -108,7 +108,7 @@ def _history(axes: Any, one: Published, name: str, outcomes: Any, tiers: Sequenc
 
 
 def comparison(found: Comparison, tiers: Sequence[Tier]) -> Figure:
-    """A measured trace and the models, a chart a quantity."""
+    """A measured trace and the models, one chart per quantity."""
     with mpl.rc_context(STYLE):
         drawn = Figure(figsize=(WIDTH, 0.5 + 2.2 * len(found.measured)), layout="constrained")
         charts = drawn.subplots(len(found.measured), squeeze=False, sharex=True)[:, 0]

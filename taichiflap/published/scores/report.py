@@ -48,7 +48,7 @@ def write(rows: Sequence[Row], tiers: Sequence[Tier], folder: Path) -> list[Path
 
 
 def write_comparison(found: Sequence[Comparison], tiers: Sequence[Tier], folder: Path) -> list[Path]:
-    """Write the page of measurements compared with models, and a figure each.
+    """Write the page of measurements compared with models, and one figure per measurement.
 
     Returns:
         The two pages.

@@ -28,8 +28,8 @@ class Outcome:
 
     Attributes:
         case, tier: names.
-        key: of the case file and the version; another key is another run.
-        values: by quantity; empty if the run failed, without those that the model does not have.
+        key: hash of the case files and the version; identifies the runs.
+        values: by quantity; empty if a run failed, without quantities that do not occur in the model.
         seconds: solve time, s.
         reason: why the run failed, or an empty text.
         trace: time, lift and drag coefficient of a case whose time histories are drawn.
@@ -90,7 +90,7 @@ class Store:
 
 
 def key_of(cases: Sequence[Case]) -> str:
-    """What an outcome depends on: its cases and the version of the solver."""
+    """Key of an outcome: its cases and the version of the solver."""
     return hashlib.sha256(f"{__version__}\n{''.join(case.to_toml() for case in cases)}".encode()).hexdigest()[:16]
 
 
@@ -148,7 +148,7 @@ def score(
 
 
 def _run(group: Sequence[tuple[Published, Sequence[Case]]], tier: Tier, threads: int | None) -> Iterator[Outcome]:
-    # Series alone: a wake in every frame would fill the memory.
+    # Only series, since storing the wake in every frame needs too much memory.
     cases = [case.override(f"output.every={case.steps}") for _, own in group for case in own]
     results = iter(simulate(cases, threads=threads))
     for one, own in group:

@@ -30,7 +30,7 @@ class Tier:
     reynolds: tuple[float, float] | None = None
 
     def cases(self, published: Published) -> tuple[Case, ...]:
-        """A published case with this model: one, or its family."""
+        """A published case with the settings of this tier, or the cases of its family."""
         one = published.case().override(*self.settings, *published.settings.get(self.name, ()))
         return tuple(one.override(*settings) for settings in published.family.values()) or (one,)
 

@@ -63,11 +63,10 @@ class Published:
         citation: where they come from.
         waves: mean and harmonics of the published lift and drag coefficients, of a motion that repeats:
             `C(t) = Re(sum_n a_n exp(2 pi i n t))` with t in beats.
-        points: published times, lift and drag coefficients of a motion that does not repeat. Time histories are drawn
-            of cases that have these or waves.
-        settings: what a tier changes of this case beside its own settings, by the tier's name.
-        family: settings of each run, by the value of what they vary, of figures that several runs give together: the
-            reduced speed about the onset of flutter. Empty for the figures of one run.
+        points: published times, lift and drag coefficients of a motion that does not repeat.
+        settings: additional settings of this case for a tier, by the tier's name.
+        family: settings of each run where several runs give a value together, by the parameter that they vary, such as
+            the reduced speed near the onset of flutter; empty for values of one run.
         models: names of the tiers that it is for; all if None.
     """
 
@@ -87,7 +86,7 @@ class Published:
 
     @property
     def drawn(self) -> bool:
-        """Whether its time histories are drawn."""
+        """Whether time histories were published, so that they are drawn."""
         return bool(self.waves or self.points)
 
     def case(self) -> Case:
