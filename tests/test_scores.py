@@ -10,7 +10,6 @@ import taichiflap
 from taichiflap.case.case import parse_case
 from taichiflap.commands import score as command
 from taichiflap.march.reference import reference
-from taichiflap.march.reference import reference
 from taichiflap.published.scores import against, comparison, library, report, score, table, tiers, traces, verdict
 from taichiflap.published.scores.measures import FAMILIES, QUANTITIES, Trace, measure
 from taichiflap.published.scores.score import Outcome, Row
