@@ -71,7 +71,7 @@ reports: .venv/.run  ## write the reports among the documentation again, from th
 	$(BIN)/taichiflap score -o build/scores
 	rm -f docs/validation-*.svg docs/reproduction/*.png docs/scores/*.png
 	cp build/validation/validation.md build/validation/*.svg docs
-	cp build/reproduction/report.md build/reproduction/*.png docs/reproduction
+	cp build/reproduction/report.md build/reproduction/models.md build/reproduction/*.png docs/reproduction
 	mkdir -p docs/scores
 	cp build/scores/scores.md build/scores/*.png docs/scores
 	cp build/scores/known.json taichiflap/scored

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from taichiflap.published.page import markdown
 
-from . import accuracy, commands, figures, load, machine, others, pages, pairs, runs, wakes
+from . import accuracy, commands, figures, load, machine, others, pages, pairs, runs, viscous, wakes
 from .rows import Row
 
 FOLDER = machine.ROOT / "docs" / "benchmarks"
@@ -30,6 +30,7 @@ def main() -> None:
         commands.drawing(),
         commands.output(),
         load.rows(),
+        viscous.rows(),
         others.rows(),
     ):
         rows += printed(some)

@@ -358,6 +358,9 @@ def reproduce(
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the report, figures and data")] = Path(
         "reproduction"
     ),
+    every_model: Annotated[
+        bool, typer.Option("--models", help="also rerun the wing in every model: tens of minutes on one core")
+    ] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="write into a folder that is not empty")] = False,
 ) -> None:
     """Reproduce the paper: write a report with its numbers and figures next to the computed ones."""
@@ -365,7 +368,7 @@ def reproduce(
     from .published.reade2020 import reproduce as study
 
     with share("reproducing the paper") if sys.stderr.isatty() else nullcontext() as progress:
-        found = study.reproduce(output, overwrite=overwrite, progress=progress)
+        found = study.reproduce(output, every_model=every_model, overwrite=overwrite, progress=progress)
     print(*found, sep="\n")
     print(f"{output / study.REPORT}, {output / study.PAGE} and {output / study.DATA} written")
 

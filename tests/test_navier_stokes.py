@@ -324,6 +324,26 @@ def test_messages():
         marching(case("time.steps_per_period=20"))
 
 
+def test_what_a_run_was_not_good_for_is_said():
+    model = fluids.load("navier_stokes")
+    ran = hawkmoth(*NS, "fluid.viscosity=1.5e-5")
+    said = "\n".join(model.outcome(ran, {"tip_deflection": np.array([0.011]), "courant": np.array([30.0])}.__getitem__))
+    for phrase in (
+        "bends by up to 0.55 chords: beyond 0.5", "1 periods: a separated flow needs 10",
+        "the Courant number reached 30: beyond 15", "give time.steps_per_period = 800",
+        "an ellipse 0.04 chords thick, the wing 0.002",
+    ):  # fmt: skip
+        assert phrase in said
+    calm = {"tip_deflection": np.zeros(1), "courant": np.ones(1)}.__getitem__
+    assert not model.outcome(ran.override("time.periods=10", "wing.thickness=5e-4"), calm)
+    # Before it runs: of a motion that jumps, and a flow that two dimensions are wrong for.
+    assert any("beyond 3000" in one for one in model.warnings(ran.override("fluid.viscosity=1e-5")))
+    assert any("begins with a jump" in one for one in model.warnings(ran))
+    assert not model.warnings(ran.override("motion.start_up_periods=2.0"))
+    with pytest.raises(ResolutionError, match="no grid of this model resolves the flow"):
+        marching(ran.override("fluid.viscosity=1e-8"))
+
+
 def test_a_map_that_does_not_converge_says_so():
     march = marching(
         case(
@@ -366,3 +386,15 @@ def test_a_stored_frame_is_a_field_in_space():
     inside = complex(*node[len(node) // 2])
     assert np.isnan(field.resampled([inside.real], [inside.imag])[0, 0])
     assert field.resampled([5.0], [5.0])[0, 0] == 0.0
+
+
+@pytest.mark.slow
+def test_a_sweep_gives_what_each_run_gives_and_names_what_cannot_be():
+    pytest.importorskip("xarray")
+    base = case("wing.modes=0", "time.steps_per_period=150", "fluid.viscosity=1e-3", "motion.start_up_periods=0.5")
+    found = taichiflap.sweep(base, {"fluid.viscosity": [1e-3, 2e-3, 1e-8]}, threads=1)
+    with taichiflap.simulate(base.override("fluid.viscosity=2e-3"), threads=1) as result:
+        alone = taichiflap.summarise(result)
+    assert float(found.force_vertical_mean[1]) == alone.force_vertical.mean
+    assert np.isnan(found.force_vertical_mean[2])
+    assert "no grid of this model resolves the flow" in str(found.reason[2].item())

@@ -10,7 +10,8 @@ import pytest
 
 import taichiflap
 from taichiflap._version import __version__
-from taichiflap.published.reade2020 import paper
+from taichiflap.published import page
+from taichiflap.published.reade2020 import models, models_page, paper
 from taichiflap.published.reade2020.paper import Settings
 from taichiflap.validation import oscillation, start, steady, structure
 from taichiflap.validation.checks import accurate
@@ -61,6 +62,21 @@ def test_reproduction_holds_the_papers_cases_as_they_come_out_now():
             full, normal = (float(cell) for cell in written[f"{solver.upper()}, {wing}"][2:4])
             assert full == pytest.approx(1e3 * summary.force_vertical.mean, abs=0.006)
             assert normal == pytest.approx(1e3 * summary.force_vertical_normal.mean, abs=0.006)
+
+
+def test_the_wing_in_every_model_is_what_was_kept_and_comes_out_now():
+    known = models.known()
+    written = (ROOT / "docs" / "reproduction" / "models.md").read_text("utf-8")
+    assert written == page.markdown(models_page.page_of(known))
+    assert page.markdown(models_page.closing(known)) in REPRODUCTION
+    assert {key[0] for key in known} == {model.name for model in models.MODELS}
+    assert all(one.beats >= 10 for one in known.values())
+    wing = known["dbet", 15.0, 1]
+    model = next(model for model in models.MODELS if model.name == wing.model)
+    with taichiflap.simulate(model.case(wing.pitch, wing.modes)) as result:
+        again = taichiflap.summarise(result)
+    assert again.force_vertical.mean == pytest.approx(wing.force, rel=1e-3)
+    assert again.tip_peak.mean == pytest.approx(wing.tip_peak, rel=1e-3)
 
 
 def test_readme_counts_as_the_pages_do():

@@ -91,8 +91,9 @@ def test_every_file_is_there(study):
     folder, _, _ = study
     names = {path.name for path in folder.iterdir()}
     figures = {"figure4", "figure5", "wake", "figure6", "figure7", "cause", "table5", "density"}
+    figures |= {"models-forces", "models-histories"}
     assert names == {f"{name}.{kind}" for name in figures for kind in ("png", "svg")} | {
-        reproduce.REPORT, reproduce.PAGE, reproduce.DATA,
+        reproduce.REPORT, reproduce.PAGE, reproduce.DATA, "models.md", "models.html",
     }  # fmt: skip
 
 

@@ -261,9 +261,19 @@ def test_convergence_of_a_real_case_holds_against_a_much_finer_one():
     assert power[0] == pytest.approx(power[1], rel=0.02)
 
 
-def test_steps_that_are_no_number_cannot_be_refined():
+def test_steps_in_seconds_cannot_be_refined():
     with pytest.raises(ConvergeError, match="give both as numbers"):
-        converge(hawkmoth("time.steps_per_period=auto"))
+        converge(hawkmoth().override(time={"duration": 0.1, "step": 1e-3}))
+
+
+def test_convergence_starts_from_an_automatic_step(monkeypatch):
+    """As a viscous flow has it, and with it the cells around the section."""
+    viscous = hawkmoth("solver=navier_stokes", "fluid.viscosity=4e-4", "time.periods=2", "time.steps_per_period=auto")
+    asked = pretend(monkeypatch, lambda case: {"force_vertical_mean": 1.0 + (case.navier_stokes.cells < 200)})
+    found = converge(viscous, 0.01)
+    assert asked[0].time.steps_per_period == viscous.resolved().time.steps_per_period > 400
+    assert found.accepted["navier_stokes.cells"] == 256
+    assert found.accepted["time.steps_per_period"] == asked[0].time.steps_per_period
 
 
 @pytest.mark.parametrize("text", ["1", "0", "-1%", "100%", "little"])

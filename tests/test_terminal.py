@@ -43,7 +43,7 @@ def on_terminal(*arguments, cwd):
 def test_a_run_counts_its_beats(tmp_path):
     printed, shown = on_terminal("simulate", DBET, *SHORT, cwd=tmp_path)
     assert "Hawkmoth" in shown
-    assert "beat 0 of 2" in shown
+    assert "preparing the kernel" in shown
     assert "beat 2 of 2" in shown
     assert "beat 2" not in printed
 

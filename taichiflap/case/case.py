@@ -20,9 +20,9 @@ from .document import DocumentError, check, names_no_file, own_case, read_text, 
 from .fluid import Fluid
 from .messages import describe
 from .motion import Motion
-from .navier_stokes import THINNEST, NavierStokes
+from .navier_stokes import NavierStokes
 from .output import Output
-from .schema import Section, key, needed, section
+from .schema import ModelSection, Section, key, needed, section
 from .solver import Solver, model_name
 from .tables import Table
 from .tabulated import Origin, PointsError, reopened, with_points
@@ -37,8 +37,6 @@ WITHIN_WORDS = str.maketrans("-.:", "___")
 """Characters allowed in a setting's value without quotes."""
 LONGEST_SHOWN = 60
 """Maximum length of a rejected value in a message."""
-OWN_STEPS = ("navier_stokes",)
-"""Models with an automatic time step by default."""
 MOMENTS = 1024
 """Number of times at which the speed is sampled for the automatic step."""
 
@@ -79,7 +77,10 @@ class Case(Section):
     @classmethod
     def _steps_of_its_own(cls, given: Any) -> Any:
         """Use the automatic time step where it is the model's default."""
-        if not isinstance(given, Mapping) or given.get("solver") not in OWN_STEPS:
+        if not isinstance(given, Mapping):
+            return given
+        table = cls.model_fields.get(str(given.get("solver")))
+        if not getattr(table and table.annotation, "own_steps", False):
             return given
         time = given.get("time", {})
         if isinstance(time, Time):
@@ -87,21 +88,6 @@ class Case(Section):
         if not isinstance(time, Mapping) or any(key in time for key in ("steps_per_period", "duration", "step")):
             return given
         return {**given, "time": {**time, "steps_per_period": "auto"}}
-
-    @model_validator(mode="after")
-    def _viscous(self) -> "Case":
-        if self.solver != "navier_stokes":
-            return self
-        if self.fluid.viscosity is None:
-            raise needed("fluid.viscosity", "required by the Navier-Stokes model; air has 1.5e-5 m2/s, water 1e-6 m2/s")
-        if isinstance(self.wing.span, tuple):
-            raise ValueError("wing.span is a table: the Navier-Stokes model is two-dimensional; give a number")
-        if self.wing.modes and self.navier_stokes.thickness and self.navier_stokes.thickness < THINNEST:
-            raise ValueError(
-                f"navier_stokes.thickness = {self.navier_stokes.thickness:g}: the grid of a flexible wing needs at "
-                f"least {THINNEST:g} chords; give {THINNEST:g} or leave it out"
-            )
-        return self
 
     @model_validator(mode="after")
     def _moved(self) -> "Case":
@@ -119,24 +105,24 @@ class Case(Section):
         return self
 
     @model_validator(mode="after")
-    def _in_time(self) -> "Case":
+    def _fits_its_model(self) -> "Case":
         if self.motion.frequency is None and self.time.periods is not None:
             raise needed(
                 "motion.frequency", "for a non-periodic motion give time.duration and time.step instead of periods"
             )
+        table = getattr(self, self.solver, None)
+        if isinstance(table, ModelSection):
+            table.check(self)
+        return self
+
+    @model_validator(mode="after")
+    def _in_time(self) -> "Case":
         if self.steps > MAX_STEPS:
             product = "duration / time.step" if self.time.periods is None else "periods * time.steps_per_period"
             raise ValueError(f"time.{product} = {self.steps}; the limit is {MAX_STEPS} steps per case")
         for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch), ("surge", self.motion.surge)):
             if isinstance(axis, Table) and (problem := axis.problem(self.motion.frequency, self.duration)):
                 raise ValueError(f"motion.{name}: {problem}")
-        return self
-
-    @model_validator(mode="after")
-    def _has_a_speed(self) -> "Case":
-        needs = self.uvlm.suction_limit if self.uvlm.leading_edge == "sheds" else self.uvlm.merge_error
-        if self.solver == "uvlm" and needs and not self.reference_speed:
-            raise needed("uvlm.reference_speed", "the leading edge itself does not move through the fluid")
         return self
 
     @property

@@ -1,16 +1,23 @@
 """`[navier_stokes]`: settings of the grid around the section. Defaults follow from the Reynolds number."""
 
+from typing import TYPE_CHECKING, ClassVar
+
 from pydantic import field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from .schema import Section, key
+from .schema import ModelSection, key, needed
+
+if TYPE_CHECKING:
+    from .case import Case
 
 THINNEST = 0.02
 """Minimum thickness of a flexible section, in chords, for which the grid mapping converges."""
 
 
-class NavierStokes(Section):
+class NavierStokes(ModelSection):
     """Two-dimensional Navier-Stokes flow on a grid that deforms with the section."""
+
+    own_steps: ClassVar[bool] = True
 
     cells: int | SkipJsonSchema[None] = key(
         None,
@@ -52,6 +59,18 @@ class NavierStokes(Section):
             near = min((n for n in range(64, 1537, 16) if _transforms(n)), key=lambda n: (abs(n - value), n))
             raise ValueError(f"must be 16 times a product of twos and threes; the nearest such number is {near}")
         return value
+
+    def check(self, case: "Case") -> None:
+        """Refuse a case without a viscosity, of many sections, or too thin to bend."""
+        if case.fluid.viscosity is None:
+            raise needed("fluid.viscosity", "required by the Navier-Stokes model; air has 1.5e-5 m2/s, water 1e-6 m2/s")
+        if isinstance(case.wing.span, tuple):
+            raise ValueError("wing.span is a table: the Navier-Stokes model is two-dimensional; give a number")
+        if case.wing.modes and self.thickness and self.thickness < THINNEST:
+            raise ValueError(
+                f"navier_stokes.thickness = {self.thickness:g}: the grid of a flexible wing needs at least "
+                f"{THINNEST:g} chords; give {THINNEST:g} or leave it out"
+            )
 
 
 def _transforms(cells: int) -> bool:

@@ -1,9 +1,12 @@
 """Declaration of the keys and tables of a case file: each key with its description, unit and range."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 from pydantic_core import PydanticCustomError
+
+if TYPE_CHECKING:
+    from .case import Case
 
 LEAST = 1e-30
 """Smaller non-zero values are rejected as input errors, since their products and quotients would underflow or overflow.
@@ -34,6 +37,24 @@ class Section(BaseModel):
         if tiny:
             raise ValueError(f"{tiny:g} is too small; give 0 or a value above {LEAST:g}")
         return value
+
+
+class ModelSection(Section):
+    """The table of a fluid model, which has the model's name.
+
+    Attributes:
+        own_steps: whether the time step follows from the flow where the case does not say.
+    """
+
+    own_steps: ClassVar[bool] = False
+
+    def check(self, case: "Case") -> None:
+        """Refuse a case that the model cannot compute.
+
+        Raises:
+            ValueError: with the key, its value and the cure.
+            PydanticCustomError: for a key that is missing.
+        """
 
 
 def _names(value: Any) -> list[str]:

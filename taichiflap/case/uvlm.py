@@ -1,11 +1,14 @@
 """`[uvlm]`: settings of the vortex lattice and its wake."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, ModelWrapValidatorHandler, Tag, model_validator
 
-from .schema import Section, key
+from .schema import ModelSection, key, needed
+
+if TYPE_CHECKING:
+    from .case import Case
 
 
 def _all_or_number(value: Any) -> str:
@@ -24,7 +27,7 @@ LEAST_WAKE = 10
 """Minimum length of a wake with two sheets."""
 
 
-class Uvlm(Section):
+class Uvlm(ModelSection):
     """Unsteady vortex lattice on the deformed camber line, with a free wake.
 
     With leading_edge = "sheds" the defaults are panels = 40, wake = 1000, merge_error = 1e-4, crossing = "pass", core =
@@ -136,6 +139,12 @@ class Uvlm(Section):
         if isinstance(self.wake, int) and self.wake < LEAST_WAKE:
             raise ValueError(f"wake = {self.wake}: both edges shed into it; give at least {LEAST_WAKE}")
         return self
+
+    def check(self, case: "Case") -> None:
+        """Refuse a case in which nothing tells the speed that a limit is a share of."""
+        limited = self.suction_limit if self.leading_edge == "sheds" else self.merge_error
+        if limited and not case.reference_speed:
+            raise needed("uvlm.reference_speed", "the leading edge itself does not move through the fluid")
 
     @model_validator(mode="after")
     def _one_saving(self) -> "Uvlm":

@@ -37,7 +37,8 @@ def _shown(*middle: ProgressColumn) -> Progress:
 def bar(case: Case) -> Iterator[Callback]:
     """A progress bar on stderr that disappears after the run; yields the callback for `simulate`."""
     with _shown(TextColumn("{task.fields[place]}"), _Rate()) as shown:
-        task = shown.add_task(case.title or "simulating", total=case.steps, place=_place(case, 0))
+        # Until the first block is done: seconds, the first time that this machine computes such a case.
+        task = shown.add_task(case.title or "simulating", total=case.steps, place="preparing the kernel")
 
         def update(done: int, total: int) -> None:
             shown.update(task, completed=done, total=total, place=_place(case, done))

@@ -120,6 +120,7 @@ def compute(
     Args:
         progress: callback of the fraction done, 0 to 1.
     """
+    cases = [case.resolved() for case in cases]
     with fluids.blamed(cases[0].solver):
         march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False)
         march.advance(0)

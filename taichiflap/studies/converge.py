@@ -108,6 +108,7 @@ def converge(
     Raises:
         UserError: for an invalid metric, file or cluster, or if a case fails.
     """
+    case = case.resolved()
     chosen = choose(metrics or (IN_STREAM if case.fluid.streams else IN_HOVER), [case])
     start = _start(case)
     path = None if output is None else Path(output)

@@ -100,9 +100,10 @@ def checked(case: Case) -> Settings:
     if found.cells**2 < LEAST_SQUARE * found.reynolds:
         least = next((n for n in CELLS if n**2 >= LEAST_SQUARE * found.reynolds), None)
         if least is None:
+            most = CELLS[-1] ** 2 / LEAST_SQUARE
             raise ResolutionError(
-                f"the Reynolds number is {found.reynolds:.3g}: beyond {CELLS[-1] ** 2 / LEAST_SQUARE:.3g} no grid of "
-                "this model resolves the flow; check fluid.viscosity, or take another solver"
+                f"the Reynolds number of the mean speed is {found.reynolds:.3g}: beyond {most:.3g} no grid of this "
+                "model resolves the flow; check fluid.viscosity, or take another solver"
             )
         raise ResolutionError(
             f"navier_stokes.cells = {found.cells} is too few at a Reynolds number of {found.reynolds:.3g}; give "

@@ -63,33 +63,27 @@ def upwind_phi(flow: View, b, j, m, octets):
     n = w[b, j, (m + 1) % octets]
     w1, w2, w3, v1, v2 = after(c, n, 1), after(c, n, 2), after(c, n, 3), before(p, c, 1), before(p, c, 2)
     q = flow.flux_phi[b, j, m]
-    central = 37.0 * (c + w1) - 8.0 * (v1 + w2) + (v2 + w3)
+    sixth = 37.0 * (c + w1) - 8.0 * (v1 + w2) + (v2 + w3)
     fifth = (w3 - v2) - 5.0 * (w2 - v1) + 10.0 * (w1 - c)
-    return (q * central - size(q) * fifth) * (1.0 / 60.0)
+    return (q * sixth - size(q) * fifth) * (1.0 / 60.0)
 
 
 @ti.func
-def third_order(q, most):
+def third_order(q, most, inverse):
     """What turns second order into third: the share of a flux for the central part, and for the third difference.
 
-    The one fades and the other is cut off where `most`, a share of the cell over the step, is reached.
+    The one fades and the other is cut off where `most`, a share of the cell over the step, is reached; `inverse` is
+    one over it.
     """
     part = size(q) * (1.0 / 12.0)
-    return q * (1.0 / 12.0) * ti.max(1.0 - part / most, 0.0), ti.min(part, most)
+    return q * (1.0 / 12.0) * ti.max(1.0 - part * inverse, 0.0), ti.min(part, most)
 
 
 @ti.func
-def central_phi(flow: View, b, j, m, octets, cap):
-    """Implicit scheme's flux of the known vorticity through the far faces."""
-    w = ti.static(flow.vorticity)
-    p = w[b, j, (m + octets - 1) % octets]
-    c = w[b, j, m]
-    n = w[b, j, (m + 1) % octets]
-    w1, w2, v1 = after(c, n, 1), after(c, n, 2), before(p, c, 1)
-    q = flow.ahead_phi[b, j, m]
-    more, damping = third_order(q, cap * flow.area[b, j, m])
-    more = flow.row[b, j, HIGHER_ROW] * more
-    return 0.5 * q * (c + w1) + more * ((c + w1) - (v1 + w2)) + damping * ((w2 - v1) - 3.0 * (w1 - c))
+def central(q, higher, most, inverse, v1, c, w1, w2):
+    """Implicit scheme's flux of the known vorticity between c and w1, v1 and w2 being beyond them."""
+    more, damping = third_order(q, most, inverse)
+    return 0.5 * q * (c + w1) + (higher * more) * ((c + w1) - (v1 + w2)) + damping * ((w2 - v1) - 3.0 * (w1 - c))
 
 
 @ti.func
@@ -109,22 +103,8 @@ def upwind_rho(flow: View, b, j, m, rows):
             f = (q * (7.0 * (a + c) - (a2 + c2)) + size(q) * ((c2 - a2) - 3.0 * (c - a))) * (1.0 / 12.0)
         else:
             c, a2, c2, a3, c3 = w[b, j, m], w[b, j - 2, m], w[b, j + 1, m], w[b, j - 3, m], w[b, j + 2, m]
-            central = 37.0 * (a + c) - 8.0 * (a2 + c2) + (a3 + c3)
-            f = (q * central - size(q) * ((c3 - a3) - 5.0 * (c2 - a2) + 10.0 * (c - a))) * (1.0 / 60.0)
-    return f
-
-
-@ti.func
-def central_rho(flow: View, b, j, m, cap):
-    """Implicit scheme's flux of the known vorticity through face `j`, between rows j - 1 and j."""
-    w = ti.static(flow.vorticity)
-    q, a, c = flow.ahead_rho[b, j, m], w[b, j - 1, m], w[b, j, m]
-    f = 0.5 * q * (c + a)
-    if j > 1:
-        n, z = w[b, j + 1, m], w[b, j - 2, m]
-        more, damping = third_order(q, cap * flow.area[b, j - 1, m])
-        more = flow.row[b, j, HIGHER_FACE] * more
-        f = f + more * ((c + a) - (z + n)) + damping * ((n - z) - 3.0 * (c - a))
+            sixth = 37.0 * (a + c) - 8.0 * (a2 + c2) + (a3 + c3)
+            f = (q * sixth - size(q) * ((c3 - a3) - 5.0 * (c2 - a2) + 10.0 * (c - a))) * (1.0 / 60.0)
     return f
 
 
@@ -146,52 +126,67 @@ def assemble(flow: View, b, n, beta, bends):  # noqa: PLR0915 - one loop nest
         thickness, inverse = flow.row[b, j, THICKNESS], flow.row[b, j, INVERSE]
         upper, lower = spread * flow.row[b, j, UPPER_FACE], spread * flow.row[b, j, LOWER_FACE]
         share, share_up = flow.row[b, j, SHARE_ROW], flow.row[b, j, SHARE_UPPER]
-        cap = DISSIPATION * thickness * dphi / beta
-        ju, jl = ti.min(j + 1, rows - 1), ti.max(j - 1, 0)
+        up1, up2, down1 = ti.min(j + 1, rows - 1), ti.min(j + 2, rows - 1), ti.max(j - 1, 0)
         outer = 1.0
         if j == rows - 1:
             outer = 0.0
-        explicit, implicit = share < 1.0, j < near
+        explicit, implicit, inside = share < 1.0 or share_up < 1.0, j < near, j + 1 < near
+        # Most of a cell over the step that damping takes, of this row's sides and of its upper face, whose row is next.
+        cap = DISSIPATION * dphi / beta
+        most, most_up = cap * thickness, cap * flow.row[b, up1, THICKNESS]
+        higher, higher_up = flow.row[b, j, HIGHER_ROW], flow.row[b, up1, HIGHER_FACE]
+        p, c = flow.vorticity[b, j, octets - 1], flow.vorticity[b, j, 0]
         last_far, last_near = Octet(0.0), Octet(0.0)
         if explicit:
             last_far = (1.0 - share) * upwind_phi(flow, b, j, octets - 1, octets)
         if implicit:
-            last_near = share * central_phi(flow, b, j, octets - 1, octets, cap)
+            pp = flow.vorticity[b, j, octets - 2]
+            area = flow.area[b, j, octets - 1]
+            last_near = share * central(
+                flow.ahead_phi[b, j, octets - 1], higher, most * area, 1.0 / (most * area),
+                before(pp, p, 1), p, after(p, c, 1), after(p, c, 2),
+            )  # fmt: skip
         for m in range(octets):
-            c = flow.vorticity[b, j, m]
-            left = before(flow.vorticity[b, j, (m + octets - 1) % octets], c, 1)
-            right = after(c, flow.vorticity[b, j, (m + 1) % octets], 1)
-            x = kept * flow.change[b, j, m] + around * (left + right - 2.0 * c)
-            x = x + upper * (outer * flow.vorticity[b, ju, m] - c) - lower * (c - flow.vorticity[b, jl, m])
+            right = flow.vorticity[b, j, (m + 1) % octets]
+            v1, w1 = before(p, c, 1), after(c, right, 1)
+            area = flow.area[b, j, m]
+            above, below = flow.vorticity[b, up1, m], flow.vorticity[b, down1, m]
+            x = kept * flow.change[b, j, m] + around * (v1 + w1 - 2.0 * c)
+            x = x + upper * (outer * above - c) - lower * (c - below)
             if bends:
-                x = x + (flow.content[b, j, m] - flow.area[b, j, m] * c)
-            carried = flow.line[b, LOWER, m]
+                x = x + (flow.content[b, j, m] - area * c)
             if explicit:
                 f = (1.0 - share) * upwind_phi(flow, b, j, m, octets)
-                carried = carried + before(last_far, f, 1) - f
+                carried = flow.line[b, LOWER, m] + before(last_far, f, 1) - f
                 last_far = f
-            if share_up < 1.0:
                 f = (1.0 - share_up) * upwind_rho(flow, b, j + 1, m, rows)
-                carried = carried - f
                 flow.line[b, LOWER, m] = f
-            carried = carried * inverse
-            if explicit or share_up < 1.0:
+                carried = (carried - f) * inverse
                 x = x + beta * (now * carried + then * flow.convection[b, j, m])
                 flow.convection[b, j, m] = carried
             if implicit:
-                f = share * central_phi(flow, b, j, m, octets, cap)
+                over = Octet(1.0) / area
+                f = share * central(
+                    flow.ahead_phi[b, j, m], higher, most * area, (1.0 / most) * over, v1, c, w1, after(c, right, 2)
+                )
                 carried = before(last_near, f, 1) - f + flow.line[b, LOWER + 1, m]
                 last_near = f
-                if j + 1 < near:
-                    # The row above has its own cap.
-                    cap_up = DISSIPATION * flow.row[b, j + 1, THICKNESS] * dphi / beta
-                    f = share_up * central_rho(flow, b, j + 1, m, cap_up)
+                if inside:
+                    q = flow.ahead_rho[b, j + 1, m]
+                    f = share_up * 0.5 * q * (c + above)
+                    if j > 0:
+                        f = share_up * central(
+                            q, higher_up, most_up * area, (1.0 / most_up) * over, below, c, above,
+                            flow.vorticity[b, up2, m],
+                        )  # fmt: skip
                     carried = carried - f
                     flow.line[b, LOWER + 1, m] = f
                 x = x + (beta * inverse) * carried
             if j == 0:
                 x = x + (beta / thickness) * flow.line[b, FLUX, m]
             flow.change[b, j, m] = x
+            p = c
+            c = right
 
 
 @ti.func

@@ -23,7 +23,7 @@ DBET, UVLM = palette.LINES
 INK, MUTED = palette.LIGHT.ink, palette.LIGHT.muted
 FORCE = "Normal force $F_N$ (mN)"
 TIME = "t/T, stroke reversal at 0.25 and 0.75"
-_STYLE: Any = {
+STYLE: Any = {
     "font.family": "DejaVu Sans", "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8, "axes.linewidth": 0.6,
     "axes.spines.right": False, "axes.spines.top": False, "lines.linewidth": 1.3, "lines.markersize": 3.5,
     "legend.fontsize": 7.5, "legend.frameon": False, "svg.hashsalt": "taichiflap", "text.color": INK,
@@ -38,7 +38,7 @@ def draw(settings: Settings, runs: Runs, folder: Path, progress: Progress | None
     Raises:
         OutputError: if a file cannot be written.
     """
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         for number, (name, figure) in enumerate(_figures(settings, runs)):
             if progress is not None:
                 progress(number / FIGURES)

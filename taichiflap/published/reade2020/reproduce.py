@@ -9,7 +9,7 @@ from ..._version import __version__
 from ...structure import beam
 from .. import page
 from ..page import Block, Figure, Heading, Paragraph, Table
-from . import archive, drawings, paper, plan, tables
+from . import archive, drawings, models, models_page, paper, plan, tables
 from .errata import errata
 from .measured import Progress, machine
 from .paper import Settings
@@ -18,17 +18,25 @@ from .verdicts import verdicts
 
 STAGES = (0.8, 0.05, 0.07, 0.08)
 """Shares of the time that computing, timing, drawing and the rest take."""
+OF_MODELS = 0.9
+"""Share of the time that the wing in every model takes, where it is computed too."""
 REPORT, PAGE, DATA = "report.md", "report.html", "data.h5"
 
 
 def reproduce(
-    folder: Path, *, settings: Settings | None = None, overwrite: bool = False, progress: Progress | None = None
+    folder: Path,
+    *,
+    settings: Settings | None = None,
+    every_model: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
 ) -> list[Verdict]:
     """Compute everything and write figures (PNG, SVG), data (HDF5) and a report (Markdown, HTML) into a folder.
 
     Args:
         folder: created if it does not exist.
         settings: extent of the computation; by default the paper's settings and further ones.
+        every_model: rerun the wing in every model, which takes tens of minutes; by default stored results are shown.
         overwrite: write into a folder that is not empty.
         progress: callback of the fraction of the work done.
 
@@ -41,7 +49,12 @@ def reproduce(
     """
     settings = settings or Settings()
     prepare(folder, overwrite)
-    computing, timing, drawing, rest = _stages(progress)
+    if every_model:
+        first, progress = _stages(progress, (OF_MODELS, 1.0 - OF_MODELS))
+        wings = models.compute(folder / models.KNOWN, first)
+    else:
+        wings = models.known()
+    computing, timing, drawing, rest = _stages(progress, STAGES)
     runs = plan.compute(settings, computing)
     timing(0.0)
     timings = plan.timings(settings)
@@ -50,7 +63,8 @@ def reproduce(
     drawings.draw(settings, runs, folder, drawing)
     rest(0.0)
     archive.write(folder / DATA, runs, {f"solve_time_{solver}": seconds for solver, seconds in timings.items()})
-    blocks = _blocks(settings, runs, found)
+    models_page.write(wings, folder)
+    blocks = [*_blocks(settings, runs, found), *models_page.closing(wings)]
     for name, text in ((REPORT, page.markdown(blocks)), (PAGE, page.page(blocks, folder))):
         with files.replacing(folder / name) as file:
             file.write(text.encode())
@@ -58,14 +72,14 @@ def reproduce(
     return found
 
 
-def _stages(progress: Progress | None) -> list[Progress]:
+def _stages(progress: Progress | None, shares: tuple[float, ...]) -> list[Progress]:
     """The progress of each part of the work as a share of all of it."""
-    starts = [sum(STAGES[:number]) for number in range(len(STAGES))]
+    starts = [sum(shares[:number]) for number in range(len(shares))]
 
     def stage(start: float, share: float) -> Progress:
         return lambda done: progress(start + share * done) if progress is not None else None
 
-    return [stage(start, share) for start, share in zip(starts, STAGES, strict=True)]
+    return [stage(start, share) for start, share in zip(starts, shares, strict=True)]
 
 
 def prepare(folder: Path, overwrite: bool) -> None:
