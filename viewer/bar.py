@@ -16,7 +16,7 @@ _STYLE, _SCRIPT, _CAMERA = (
 )
 _LINE = resources.files("taichiflap.drawing").joinpath("timeline.js").read_text("utf-8")
 HEAD = f"<style>{_STYLE}</style><script>{channel.SCRIPT}{_LINE}{_SCRIPT}{_CAMERA}</script>"
-"""For the head of viser's page."""
+"""HTML for the head of viser's page."""
 
 POINTS = 600
 """Number of points of the overview curve."""

@@ -35,7 +35,7 @@ LAYERS = {
     "ghost": ("Undeformed", "chord of the undeformed wing"),
     "stroke": ("Stroke plane", "and the path of the pivot in it"),
     "force": ("Force", "the fluid's force on the whole wing"),
-    "velocity": ("Wing velocity", "of points of the wing, through the fluid"),
+    "velocity": ("Wing velocity", "velocity of points of the wing relative to the fluid"),
     "load": ("Local force", "the fluid's force along the chord"),
 }
 """Title and description of each layer."""

@@ -25,7 +25,7 @@ from .server import notice
 from .timeline import Playback
 
 BESIDE_SECONDS = 0.12
-"""What stands beside the scene, the charts' dots, moves no more often than this while playing."""
+"""Minimum interval between updates of the charts' dots during playback, s."""
 FLUSH_SECONDS = 0.1
 """What was said goes out within this time."""
 

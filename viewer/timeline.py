@@ -20,7 +20,7 @@ class Playback:
         range: first and last frame of the user-defined loop.
         follow: stay at the newest frame of a run that is still being computed.
         charts: names of the variables in the charts; none for the usual ones.
-        layers: names of the layers that are hidden or shown against their default.
+        layers: names of the layers that differ from their default visibility.
     """
 
     position: float = 0.0

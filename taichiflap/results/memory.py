@@ -19,7 +19,7 @@ from .writer import Writer
 
 
 class Array:
-    """An array as HDF5 has it: what is read of it is the reader's own, to change at will.
+    """An array with the interface of HDF5 datasets: reading returns a copy.
 
     It is put together of the blocks that a run leaves when something of it is read for the first time.
     """
@@ -102,7 +102,7 @@ class Memory(Recorder):
         self._blocks[name].append(values)
 
     def written(self, name: str) -> np.ndarray:
-        """What was appended of a variable of one value a step."""
+        """Recorded values of a variable with one value per step."""
         blocks = self._blocks[name]
         blocks[:] = [np.concatenate(blocks)] if len(blocks) > 1 else blocks
         return blocks[0]
@@ -180,5 +180,5 @@ class MemoryResult(Result):
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the result to a file, see `Result.save`."""
         if not len(self.file):
-            raise ResultError(f"{path}: the result has been closed, and is lost")
+            raise ResultError(f"{path}: cannot be saved: the result in memory has been closed")
         self._recorded.write(Path(path), overwrite, self.file, self._ending)

@@ -18,7 +18,7 @@ FIRST = (
     "motion.plunge.amplitude", "motion.plunge.phase_deg", "motion.pitch.amplitude_deg", "motion.pitch.phase_deg",
     "motion.pitch.mean_deg", "fluid.density",
 )  # fmt: skip
-"""The keys that matter first: they are shown, all others behind a search."""
+"""Keys that are always shown; all others can be searched."""
 NAMES = {
     "solver": "Fluid model", "wing.youngs_modulus": "Young's modulus", "wing.density": "Wing density",
     "fluid.density": "Fluid density",

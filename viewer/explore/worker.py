@@ -159,7 +159,7 @@ class _Desk:
     def _hear(self, wait: bool = False) -> None:
         while wait or self._pipe.poll():
             place, number, document = self._pipe.recv()
-            # A newer wish keeps the turn of the older.
+            # A newer request keeps the turn of the older one.
             self._wishes[place] = number, document
             wait = False
 
