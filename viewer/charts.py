@@ -140,8 +140,10 @@ class Charts:
     def _tell(self, choose: Callable[[list[str]], None]) -> Callable[[Any], None]:
         def listen(event: Any) -> None:
             # What the server sets comes back without a client.
-            if event.client is not None:
-                choose([name for name, box in self._boxes.items() if box.value])
+            # The browser may have left since, with all its controls.
+            with contextlib.suppress(RuntimeError, KeyError):
+                if event.client is not None:
+                    choose([name for name, box in self._boxes.items() if box.value])
 
         return listen
 

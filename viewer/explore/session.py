@@ -119,7 +119,9 @@ class ExploreSession(Session):
     def _tell(self) -> None:
         """The numbers, and what was changed."""
         line = shlex.join([*self._command, *(part for setting in self._settings() for part in ("--set", setting))])
-        self._numbers.content = compare.table(self.pinned, self.run, RUNS[::-1], (self._other, "now"))
+        table = compare.table(self.pinned, self.run, RUNS[::-1], (self._other, "now"))
+        scored = f"nearest scored case: {escape(nearest.sentence(self.case))}"
+        self._numbers.content = f'{table}<div style="font-size:11px;padding:2px 4px">{scored}</div>'
         self.panel.caption.content = self._caption()
         self._line.content = (
             f'<div style="padding:4px;font-size:11px"><code data-copy title="a click copies it" '
