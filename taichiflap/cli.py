@@ -244,6 +244,7 @@ def plot(
         bool, typer.Option("--whole", help="in a map, do not grey out cases in which the model is invalid")
     ] = False,
     sheets: Annotated[bool, typer.Option("--sheets", help="colour the wake by the edge that shed it")] = False,
+    frame: Annotated[str, typer.Option(help="frame of reference of the wing: inertial or wing")] = "inertial",
 ) -> None:
     """Draw for print: the last beats of one result or several, and the wing of each; or a map."""
     from contextlib import ExitStack
@@ -267,7 +268,15 @@ def plot(
 
         wide = width / 25.4 if width else WIDTH
         for path in draw(
-            results, output, overwrite, sheets, width=wide, metrics=metric or (), beats=beats or 1, look=style
+            results,
+            output,
+            overwrite,
+            sheets,
+            width=wide,
+            metrics=metric or (),
+            beats=beats or 1,
+            look=style,
+            reference=frame,
         ):
             print(f"{path} written")
 
@@ -275,7 +284,10 @@ def plot(
 @app.command(short_help="Export a result as a table, for ParaView, or as a film.")
 def export(
     file: Annotated[Path, typer.Argument(help="result file, or map", show_default=False)],
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4 or gif; for a map csv")],
+    to: Annotated[
+        str,
+        typer.Option("--to", metavar="FORMAT", help="csv, vtkhdf, html, mp4, gif, flow.vtkhdf, nc; for a map csv"),
+    ],
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="file, or folder  [default: the result's name, here]")
     ] = None,
@@ -284,6 +296,9 @@ def export(
         typer.Option(metavar="N", help="number of last beats to show  [default: 4 in html, 2 in mp4, 1 in gif]"),
     ] = None,
     dark: Annotated[bool, typer.Option("--dark", help="dark background for a film")] = False,
+    frame: Annotated[
+        str, typer.Option(help="frame of reference of a page, film or plain grid: inertial or wing")
+    ] = "inertial",
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
 ) -> None:
     """Export a result as a table, for ParaView, or as a page or film of its last beats; or a map as a table."""
@@ -299,7 +314,7 @@ def export(
             print(f"{export_map(sheet, to, output, overwrite)} written")
         return
     with open_result(file) as result:
-        print(f"{write(result, to, output, beats, overwrite, dark=dark)} written")
+        print(f"{write(result, to, output, beats, overwrite, dark=dark, reference=frame)} written")
 
 
 @app.command()

@@ -194,7 +194,7 @@ def test_without_its_extra_a_film_says_what_to_install(blades, tmp_path, monkeyp
     ("name", "arguments", "phrase"),
     [
         ("absent", ["--to", "csv"], "no such file"),
-        ("lattice", ["--to", "pdf"], "unknown format 'pdf'; use csv, vtkhdf, html, mp4, gif"),
+        ("lattice", ["--to", "pdf"], "unknown format 'pdf'; use csv, vtkhdf, html, mp4, gif, flow.vtkhdf, nc"),
         ("lattice", ["--to", "csv", "--beats", "2"], "--beats applies to html, mp4, gif"),
         ("lattice", ["--to", "html", "--dark"], "--dark applies to mp4 and gif"),
         ("lattice", ["--to", "gif", "--beats", "0"], "must be at least 1"),

@@ -779,3 +779,28 @@ class Wire:
                 sink.sendall(data)
         with contextlib.suppress(OSError):
             sink.shutdown(socket.SHUT_RDWR)
+
+
+def test_a_navier_stokes_run_opens_with_its_vorticity_and_turns_to_the_wings_frame(tmp_path, look):
+    settings = ("solver=navier_stokes", "fluid.viscosity=4e-4", "time.periods=1", "time.steps_per_period=400",
+                "navier_stokes.cells=64", "navier_stokes.radius=4.0", "output.every=20",
+                "motion.start_up_periods=1.0")  # fmt: skip
+    taichiflap.simulate(hawkmoth(*settings), tmp_path / "ns.h5").close()
+    viewer = Viewer([tmp_path / "ns.h5"], port=18190)
+    try:
+        page = look(viewer.address)
+        stop(page)
+        page.get_by_text("Flow: vorticity, 1/s").wait_for()
+        page.wait_for_function(f"() => Object.keys({STORE}).some(name => name.endsWith('/picture'))")
+        run = viewer.runs[0]
+        page.get_by_label("Wing's frame", exact=True).click()
+        chord = run.frame(0).from_wing.chord
+        page.wait_for_function(
+            f"([x]) => Math.abs({PROPS.format('/wing')}.points[0] - x) < 1e-3", arg=[float(chord[0, 0])]
+        )
+        page.get_by_label("Streamlines", exact=True).click()
+        page.wait_for_function(f"() => Object.keys({STORE}).some(name => name.endsWith('/picture'))")
+        choose(page, "Background", "speed")
+        page.get_by_text("Flow: speed, m/s").wait_for()
+    finally:
+        viewer.stop()

@@ -16,7 +16,7 @@ import numpy as np
 
 from . import field
 from .colours import LIGHT, Theme
-from .field import NONE, Fields, Flow
+from .field import NONE, Fields, Flow, Wanted
 from .legend import Bar
 from .scene import FIELD, place
 
@@ -42,7 +42,7 @@ class Background:
 
     def __init__(self, client: Any, fields: Fields, lock: threading.RLock, told: Callable[[], None]) -> None:
         self._client, self._fields, self._lock, self._told = client, fields, lock, told
-        self._style: tuple[str, Theme] = NONE, LIGHT
+        self._style: tuple[Wanted, Theme] = Wanted(), LIGHT
         self._pictures: OrderedDict[int, Any] = OrderedDict()
         self._shown: int | None = None
         self._waiting: set[int] = set()
@@ -62,29 +62,35 @@ class Background:
         """Number of frames per image during playback."""
         return max(1, round(self._fields.run.frames_per_beat / PICTURES))
 
-    def show(self, kind: str, index: int, theme: Theme, coming: Iterable[int] = ()) -> None:
+    def show(self, wanted: Wanted, index: int, theme: Theme, coming: Iterable[int] = ()) -> None:
         """Show the flow of a frame as soon as it is available, and prepare that of the next frames."""
-        if (kind, theme) != self._style:
+        if (wanted, theme) != self._style:
             for picture in self._pictures.values():
                 picture.remove()
             self.forget()
-            self._style = kind, theme
-        if kind == NONE:
+            self._style = wanted, theme
+        if wanted.kind == NONE:
             return
         self._show_only(index)
-        for wanted in (index, *coming):
-            self._ask(wanted)
+        for one in (index, *coming):
+            self._ask(one)
 
-    def bar(self, kind: str, theme: Theme) -> Bar | None:
+    def bar(self, wanted: Wanted, theme: Theme) -> Bar | None:
         """Entry in the legend, available after the first flow has set the ranges."""
-        return field.bar(kind, theme, self._fields.limits(self._flow)) if self._flow else None
+        return field.bar(self._flow, wanted, theme, self._fields.limits(self._flow)) if self._flow else None
 
     def at(self, right: float, up: float) -> str:
         """Speed and vorticity at a point of the scene as text; empty outside the image or before it exists."""
         if self._shown is None or self._shown not in self._pictures:
             return ""
-        flow = self._fields.ask(self._shown)
-        return flow.result().at(right, up) if flow.done() and not flow.cancelled() else ""
+        found = ""
+        for wanted in (self._style[0], self._style[0].read):
+            flow = self._fields.ask(self._shown, wanted)
+            if flow.done() and not flow.cancelled():
+                found = flow.result().at(right, up)
+                if flow.result().velocity is not None:
+                    break
+        return found
 
     def _show_only(self, index: int) -> None:
         if self._shown is not None and self._shown != index and self._shown in self._pictures:
@@ -97,17 +103,18 @@ class Background:
     def _ask(self, index: int) -> None:
         if index in self._pictures or index in self._waiting:
             return
-        found = self._fields.ask(index)
+        wanted = self._style[0]
+        found = self._fields.ask(index, wanted)
         if found.done():
             self._paint(index, found.result())
         else:
             self._waiting.add(index)
-            found.add_done_callback(lambda done: self._arrive(index, done))
+            found.add_done_callback(lambda done: self._arrive(index, wanted, done))
 
-    def _arrive(self, index: int, found: "Future[Flow]") -> None:
+    def _arrive(self, index: int, wanted: Wanted, found: "Future[Flow]") -> None:
         with self._lock:
             self._waiting.discard(index)
-            if found.cancelled() or self._style[0] == NONE:
+            if found.cancelled() or self._style[0] != wanted:
                 return
             # The browser may have disconnected, or a file may be in the middle of a write.
             with contextlib.suppress(RuntimeError, OSError), self._client.atomic():
@@ -115,19 +122,20 @@ class Background:
 
     def _paint(self, index: int, flow: Flow) -> None:
         first, self._flow = self._flow is None, flow
-        kind, theme = self._style
+        wanted, theme = self._style
         limits = self._fields.limits(flow)
         left, bottom, right, top = (float(edge) for edge in flow.box)
         centre = place(np.array([0.5 * (left + right), 0.5 * (bottom + top)]), FIELD)
         scene, name = self._client.scene, f"/field/{index}"
         self._pictures[index] = scene.add_frame(name, show_axes=False, visible=index == self._shown)
         scene.add_image(
-            f"{name}/picture", flow.picture(kind, theme, limits), right - left, top - bottom, format="jpeg",
+            f"{name}/picture", flow.picture(wanted.kind, theme, limits), right - left, top - bottom, format="jpeg",
             jpeg_quality=92, wxyz=UPRIGHT, position=centre, cast_shadow=False, receive_shadow=False,
         )  # fmt: skip
-        scene.add_line_segments(
-            f"{name}/arrows", flow.arrows(limits[1]), theme.velocity, thickness=1.2, thickness_units="screen"
-        )
+        if wanted.arrows:
+            scene.add_line_segments(
+                f"{name}/arrows", flow.arrows(limits[1]), theme.velocity, thickness=1.2, thickness_units="screen"
+            )
         while len(self._pictures) > KEPT:
             oldest = next(one for one in self._pictures if one != self._shown)
             self._pictures.pop(oldest).remove()

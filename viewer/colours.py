@@ -44,6 +44,7 @@ class Theme:
         force: the force vector.
         load: the force along the chord.
         velocity: velocity arrows.
+        flow: stored vorticity, which has the picture to itself.
     """
 
     background: Rgb
@@ -56,6 +57,7 @@ class Theme:
     pressure: Map
     vorticity: Map
     speed: Map
+    flow: Map
 
 
 RUNS = "#1f7bd0", "#cc5f10"
@@ -95,6 +97,7 @@ LIGHT = Theme(
     pressure=Map("#c2148a", "#2a2a2e", "#2c9a1f"),
     vorticity=Map("#5b9bd3", "#b9d5ec", "#ffffff", "#f3cfb0", "#e39a5f"),
     speed=Map("#ffffff", "#d5e4e8", "#93bfc9", "#4a8c9c", "#1d5566"),
+    flow=Map(*palette.LIGHT.flow),
 )
 
 DARK = Theme(
@@ -108,6 +111,7 @@ DARK = Theme(
     pressure=Map("#ff6fd0", "#f4f4f6", "#7fe05a"),
     vorticity=Map("#2f78b3", "#1e4260", "#141414", "#593a20", "#ab6327"),
     speed=Map("#141414", "#1d333a", "#2c6170", "#5ba3b3", "#c4ecf2"),
+    flow=Map(*palette.DARK.flow[:3], "#141414", *palette.DARK.flow[4:]),
 )
 
 

@@ -1,7 +1,8 @@
 """One instant of a result, as needed by the scene."""
 
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ class Frame:
         text: its time as text.
         nodes: the deformed wing, leading to trailing edge, shape (node, 2).
         chord: both ends of the undeformed chord, shape (2, 2).
+        pivot: shape (2,).
         axes: unit vectors of the wing frame: chordwise and normal, shape (2, 2).
         pressure, shear: force of the fluid per area along e_z and along e_y, Pa, shape (panel,).
         force: force of the fluid on the wing, N, shape (2,).
@@ -34,6 +36,7 @@ class Frame:
     text: str
     nodes: Array
     chord: Array
+    pivot: Array
     axes: Array
     pressure: Array
     shear: Array
@@ -44,6 +47,21 @@ class Frame:
     age: Array
     edge: NDArray[np.int64]
     drawn: dict[Hashable, dict[str, Any]] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def from_wing(self) -> "Frame":
+        """The frame as one sees it from the wing: the pivot stands still, the undeformed chord lies across."""
+
+        def turned(vectors: Array) -> Array:
+            return vectors @ self.axes.T
+
+        def placed(points: Array) -> Array:
+            return turned(points - self.pivot)
+
+        return replace(
+            self, nodes=placed(self.nodes), chord=placed(self.chord), axes=np.eye(2), force=turned(self.force),
+            velocity=turned(self.velocity), wake=placed(self.wake), pivot=np.zeros(2), drawn={},
+        )  # fmt: skip
 
     @property
     def size(self) -> int:

@@ -11,16 +11,16 @@ from collections import OrderedDict
 import numpy as np
 
 from taichiflap import Result, fluids
-from taichiflap.drawing import scene
-from taichiflap.drawing.orientation import Orientation
+from taichiflap.drawing import flow, scene
+from taichiflap.drawing.orientation import INERTIAL, WING, Orientation, Standpoint
 from taichiflap.errors import UserError
-from taichiflap.fluids.interface import Velocity
+from taichiflap.fluids.interface import FlowField, Velocity
 from taichiflap.metrics.summary import Summary, in_stream, reversals, summarise
 from taichiflap.motion import sampling
 from taichiflap.results.reader import ResultError
 
 from .frame import Array, Frame
-from .survey import Ranges, survey
+from .survey import HEADROOM, Ranges, survey
 from .watch import Watch
 
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError)
@@ -77,6 +77,9 @@ class Run:
             raise ResultError(f"{result.path}: has no frame yet")
         self._model = fluids.known(self.case.solver)
         self.draws_flow = self._model is not None and self._model.draws_flow
+        self.stores_vorticity = flow.stored(result)
+        self.has_streamlines = self.stores_vorticity
+        self._extents: dict[str, flow.Extent] = {}
         self._load()
         self._first_seen = self.steps, time.monotonic()
 
@@ -91,6 +94,7 @@ class Run:
         self.station = self.result.stations
         self.shape = self.result.modes.get("shape", np.zeros((0, len(self.station))))
         if not self.surveys or self.frames >= 2 * self._surveyed or not self.live:
+            self._extents.clear()
             self.ranges, self.box = self._given or self._survey()
             self.path = self._reach()
             self.surveys, self._surveyed = self.surveys + 1, self.frames
@@ -249,6 +253,49 @@ class Run:
             except UNREADABLE as error:
                 raise OSError(f"frame {index} cannot be read: {error}") from None
 
+    def flow_field(self, index: int) -> FlowField | None:
+        """All that the fluid model knows of the flow of a frame.
+
+        Raises:
+            OSError: when a file that is being written cannot be read just now.
+        """
+        with self._lock:
+            try:
+                return self._model.field(self.result, index) if self._model else None
+            except UNREADABLE as error:
+                raise OSError(f"frame {index} cannot be read: {error}") from None
+
+    def standpoint(self, index: int, riding: bool) -> Standpoint:
+        """Where a frame is seen from: from the wing if `riding`."""
+        with self._lock:
+            try:
+                return Standpoint.of(self.result, index, WING if riding else INERTIAL)
+            except UNREADABLE as error:
+                raise OSError(f"frame {index} cannot be read: {error}") from None
+
+    def carried(self, index: int) -> flow.Carried:
+        """How points that move with the wing move in a frame."""
+        return flow.Carried.at(self.case, self._time(index))
+
+    def extent(self, riding: bool) -> flow.Extent:
+        """How far the stored vorticity of the last beat reaches, m, and the limit of its colours."""
+        frame = WING if riding else INERTIAL
+        with self._lock:
+            if frame not in self._extents:
+                first = max(0, round(self.frames - 1 - self.frames_per_beat))
+                self._extents[frame] = flow.extent(self.result, range(first, self.frames), frame)
+            return self._extents[frame]
+
+    def first_view(self, riding: bool) -> Array:
+        """The box (left, bottom, right, top; chords) of the first view, from the wing if `riding`."""
+        if not riding:
+            return self.box
+        if self.stores_vorticity:
+            return np.array(self.extent(True).box) / self.chord + HEADROOM * np.array([0.0, 0.0, 0.0, 1.0])
+        half = 0.5 * float((self.box[2:] - self.box[:2]).max())
+        middle = 0.5 - self.case.wing.pivot
+        return np.array([middle - half, -half, middle + half, half])
+
     def curve(self, name: str, first: int, last: int, most: int) -> tuple[Array, Array]:
         """As `series`, including `lift` and `thrust`."""
         if name not in IN_STREAM:
@@ -290,6 +337,7 @@ class Run:
             text="   ".join(filter(None, (self.when(index), self.half_stroke(index)))),
             nodes=nodes,
             chord=pivot + np.outer((-self.case.wing.pivot, 1.0 - self.case.wing.pivot), along),
+            pivot=pivot,
             axes=np.stack((along, across)),
             pressure=result.frame("pressure_jump", index),
             shear=self._field("shear", index),
@@ -320,4 +368,8 @@ class Run:
         """Ranges and first view, from frames of the last beat."""
         first = max(0, round(self.frames - 1 - self.frames_per_beat))
         picked = np.unique(np.linspace(first, self.frames - 1, SURVEYED).astype(int))
-        return survey([self._read(int(index)) for index in picked])
+        ranges, box = survey([self._read(int(index)) for index in picked])
+        if self.stores_vorticity:
+            seen = np.array(self.extent(False).box) / self.chord + HEADROOM * np.array([0.0, 0.0, 0.0, 1.0])
+            box = np.concatenate((np.minimum(box[:2], seen[:2]), np.maximum(box[2:], seen[2:])))
+        return ranges, box

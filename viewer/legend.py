@@ -41,7 +41,7 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
         if any(run.has_sheets for run in runs):
             edges = zip(SHEETS, ("trailing edge", "leading edge"), strict=True)
             parts.append("two sheets: " + " ".join(_swatch(colour) + edge for colour, edge in edges))
-    elif not several:
+    elif not several and not runs[0].stores_vorticity:
         parts.append(f"{runs[0].case.model} has no wake.")
     if background:
         parts.append(bar_html(background))
@@ -83,4 +83,5 @@ def bar_html(bar: Bar) -> str:
 
 
 def _signed(value: float, sign: bool) -> str:
-    return f"{value:+.3g}".replace("-", "−") if value and sign else f"{value:.3g}"
+    text = f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.3g}"
+    return f"{'+' if value > 0.0 else ''}{text}".replace("-", "−") if sign else text

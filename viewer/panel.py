@@ -53,6 +53,8 @@ class Panel:
                     (name == "wake" and not run.has_wake)
                     or (name == "sheets" and not run.has_sheets)
                     or (name == "stroke" and run.path is None)
+                    or (name in ("arrows", "streamlines") and not run.draws_flow)
+                    or (name == "streamlines" and not run.has_streamlines)
                 )
                 self.layers[name] = gui.add_checkbox(title, playback.layers[name], disabled=missing, hint=hint)
                 self._listen(self.layers[name], name)

@@ -37,15 +37,20 @@ LAYERS = {
     "force": ("Force", "the fluid's force on the whole wing"),
     "velocity": ("Wing velocity", "velocity of points of the wing relative to the fluid"),
     "load": ("Local force", "the fluid's force along the chord"),
+    "arrows": ("Flow arrows", "the fluid's velocity, over a background"),
+    "streamlines": ("Streamlines", "of the fluid, over a background"),
+    "riding": ("Wing's frame", "the wing stands still and the fluid moves"),
 }
 """Title and description of each layer."""
 
 
 def default_layers(run: Run) -> dict[str, bool]:
-    """Initially visible layers; a model without a wake shows its local forces."""
-    wake = run.has_wake
-    shown = {"wake": wake, "sheets": False, "ghost": True, "stroke": True, "force": True}
-    return shown | {"velocity": not wake, "load": not wake}
+    """Initially visible layers; a model without a wake or a stored flow shows its local forces."""
+    wake, pictured = run.has_wake, run.stores_vorticity
+    shown = {"wake": wake, "sheets": False, "ghost": not pictured, "stroke": True, "force": True}
+    details = not (wake or pictured)
+    flow = {"arrows": not pictured, "streamlines": False, "riding": False}
+    return shown | {"velocity": details, "load": details} | flow
 
 
 def place(points: Array, depth: float | Array) -> NDArray[np.float32]:
@@ -101,10 +106,10 @@ class Look:
     lift: float = 0.0
 
 
-def looks(count: int) -> list[Look]:
-    """Styles of one result or of two."""
-    if count == 1:
-        return [Look("", None, "circle")]
+def looks(runs: list[Run]) -> list[Look]:
+    """Styles of one result or of two; the wing is thin in front of a stored flow."""
+    if len(runs) == 1:
+        return [Look("", None, "circle", 3.5 if runs[0].stores_vorticity else 7.0)]
     first, second = (rgb(colour) for colour in RUNS)
     # A thin line over a thick one, so that both are visible where they agree.
     return [Look("", first, "circle", 10.0), Look("/second", second, "diamond", 4.0, 0.005)]
@@ -144,6 +149,8 @@ class Actor:
     def show(self, index: int, shown: dict[str, bool]) -> None:
         """Show a frame; hidden layers are not sent."""
         frame = self.run.frame(index)
+        if shown["riding"]:
+            frame = frame.from_wing
         drawn = frame.drawn.setdefault(self._style, {})
         handles = {"wing": self.wing}
         drawing = {"wake": "sheets"} if shown["sheets"] else {}
@@ -211,11 +218,11 @@ def common_ranges(runs: list[Run]) -> Ranges:
     )
 
 
-def set_up(scene: Any, runs: list[Run], theme: Theme) -> tuple["Stage", list[Actor]]:
-    """Build the scene of one result, or of two superimposed."""
+def set_up(scene: Any, runs: list[Run], theme: Theme, riding: bool = False) -> tuple["Stage", list[Actor]]:
+    """Build the scene of one result, or of two superimposed, seen from the wing if `riding`."""
     ranges = common_ranges(runs)
-    shown = zip(runs, looks(len(runs)), strict=True)
-    return Stage(scene, runs[0], theme), [Actor(scene, run, look, theme, ranges) for run, look in shown]
+    shown = zip(runs, looks(runs), strict=True)
+    return Stage(scene, runs[0], theme, riding), [Actor(scene, run, look, theme, ranges) for run, look in shown]
 
 
 def _stations(count: int) -> NDArray[np.intp]:
@@ -225,11 +232,12 @@ def _stations(count: int) -> NDArray[np.intp]:
 class Stage:
     """Static parts: stroke plane, path of the pivot and scale bar; and the time label."""
 
-    def __init__(self, scene: Any, run: Run, theme: Theme) -> None:
+    def __init__(self, scene: Any, run: Run, theme: Theme, riding: bool = False) -> None:
         screen = {"thickness_units": "screen"}
         self.stroke = [] if run.path is None else self._draw_stroke(scene, run.path, theme)
-        self._draw_stream(scene, run, theme)
-        left, bottom, right, top = (float(edge) for edge in run.box)
+        if not riding:
+            self._draw_stream(scene, run, theme)
+        left, bottom, right, top = (float(edge) for edge in run.first_view(riding))
         factor, unit = prefixed(run.chord, "m")
         bar = np.array([[right - 1.0, bottom + 0.1], [right, bottom + 0.1]])
         ends = np.concatenate([polyline(end + np.array([[0.0, -0.05], [0.0, 0.05]]), FORCE) for end in bar])

@@ -15,7 +15,7 @@ from .bar import Bar
 from .channel import Channel
 from .charts import Charts, caption
 from .colours import theme
-from .field import BACKGROUNDS, NONE, Fields
+from .field import BACKGROUNDS, NONE, VORTICITY, Fields, Wanted
 from .frames import Run
 from .legend import legend
 from .paint import paint
@@ -40,6 +40,8 @@ def opening(runs: Sequence[Run]) -> Playback:
     playback.layers = {name: any(layers[name] for layers in shown) for name in shown[0]}
     if len(runs) > 1:
         playback.layers |= {"velocity": False, "load": False}
+    elif run.stores_vorticity:
+        playback.background = VORTICITY
     return playback
 
 
@@ -112,7 +114,7 @@ class Session:
                 self.playback.follow = self.run.live
             if self._surveys != [run.surveys for run in self.runs]:
                 self._build()
-                self.view.fit(self.run.box)
+                self.view.fit(self.run.first_view(self.playback.layers["riding"]))
             self.charts.show(self.playback, self.playback.frame, again=True)
             self.show()
 
@@ -126,17 +128,17 @@ class Session:
                     self.panel.head.content = self._headline()
 
     def _show(self, index: int) -> None:
-        kind, coming = self.playback.background if self.run.draws_flow else NONE, []
-        if self.playback.playing and kind != NONE:
+        wanted, coming = self._look(), []
+        if self.playback.playing and wanted.kind != NONE:
             step, stride = self.background.step, self.background.stride
             index, coming = step(index), [step(one) for one in timeline.coming(self.run, self.playback, stride, AHEAD)]
         for actor in self.actors:
             here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
             actor.show(here, self._layers(actor))
-        self.background.show(kind, index, self.theme, coming)
+        self.background.show(wanted, index, self.theme, coming)
         self._tell_cursor()
         text = self.run.frame(index).text
-        self.stage.show(text, self.playback.layers["stroke"])
+        self.stage.show(text, self.playback.layers["stroke"] and not wanted.riding)
         self.bar.show(self.run, self.playback, index, f"{text}   {self._milliseconds(index)}")
         now = time.monotonic()
         if not self.playback.playing or now - self._beside > BESIDE_SECONDS:
@@ -150,11 +152,13 @@ class Session:
             playback = self.playback
             if name in playback.layers:
                 playback.layers[name] = bool(value)
+                if name == "riding":
+                    self._change_frame()
             elif name in ("loop", "window", "background"):
                 setattr(playback, name, value)
             else:
                 self._deeds[name](self, value)
-            if name == "background":
+            if name in ("background", "arrows", "riding"):
                 self._tell_legend()
             self.show()
             self._tell_address()
@@ -216,7 +220,9 @@ class Session:
         playback, dark = self.playback, chosen.get("dark") == "1"
         if "layers" in chosen:
             names = chosen["layers"].split(",")
-            playback.layers = {name: name in names for name in playback.layers}
+            riding, playback.layers = playback.layers["riding"], {name: name in names for name in playback.layers}
+            if riding != playback.layers["riding"]:
+                self._change_frame()
         if chosen.get("background") in BACKGROUNDS and self.run.draws_flow:
             playback.background = chosen["background"]
             self._tell_legend()
@@ -251,6 +257,12 @@ class Session:
     def _tell_cursor(self) -> None:
         if self._cursor is not None and self.playback.background != NONE:
             self.channel.tell_cursor(self.background.at(*self._cursor))
+
+    def _change_frame(self) -> None:
+        """See the scene from the wing, or no longer."""
+        self._build()
+        self.view.box = self.run.first_view(self.playback.layers["riding"])
+        self.view.reset()
 
     def _darken(self, dark: bool) -> None:
         self.playback.dark = bool(dark)
@@ -308,14 +320,20 @@ class Session:
         return caption(self.runs)
 
     def _set_up(self) -> tuple[Stage, list[Actor]]:
-        return set_up(self.client.scene, self.runs, self.theme)
+        return set_up(self.client.scene, self.runs, self.theme, self.playback.layers["riding"])
 
     def _layers(self, _: Actor) -> dict[str, bool]:
         return self.playback.layers
 
     def _tell_legend(self) -> None:
-        shown = self.background.bar(self.playback.background, self.theme)
+        shown = self.background.bar(self._look(), self.theme)
         self.panel.legend.content = legend(self.runs, self.theme, shown)
+
+    def _look(self) -> Wanted:
+        """What of the flow is shown."""
+        layers = self.playback.layers
+        kind = self.playback.background if self.run.draws_flow else NONE
+        return Wanted(kind, layers["arrows"], layers["streamlines"], layers["riding"])
 
     def _milliseconds(self, frame: int) -> str:
         return f"{1e3 * self.run.case.step * float(self.run.case.step_of(frame)):.2f} ms"

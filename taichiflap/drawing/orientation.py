@@ -6,6 +6,7 @@ that counter-clockwise circulation stays counter-clockwise. Data are not changed
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,3 +38,45 @@ class Orientation:
         """Components on the page, shape (..., 2), as inertial components Y and Z, shape (2, ...)."""
         right, up = np.moveaxis(np.asarray(places, dtype=float), -1, 0)
         return np.stack((self.right_y * right - self.right_z * up, self.right_z * right + self.right_y * up))
+
+
+INERTIAL, WING = FRAMES = ("inertial", "wing")
+"""Frames of reference that a picture can be drawn in."""
+
+
+@dataclass(frozen=True)
+class Standpoint:
+    """Where a picture is seen from: which way up, and which point (Y and Z, m) stands at its origin."""
+
+    orientation: Orientation = Orientation()
+    y: float = 0.0
+    z: float = 0.0
+
+    @classmethod
+    def of(cls, result: Any, index: int, frame: str = INERTIAL) -> "Standpoint":
+        """The one for a frame of a result.
+
+        Args:
+            frame: of reference: `inertial`, or `wing`, in which the pivot stands still and the undeformed chord lies
+                across, leading edge on the left.
+        """
+        if frame == INERTIAL:
+            return cls(Orientation.of(result.case))
+        pitch = float(result.frame("pitch", index))
+        surge = float(result.frame("surge", index)) if "surge" in result.variables else 0.0
+        return cls(Orientation(math.cos(pitch), math.sin(pitch)), surge, float(result.frame("plunge", index)))
+
+    def vectors(self, y: ArrayLike, z: ArrayLike) -> Array:
+        """Inertial components as components on the page, shape (..., 2)."""
+        return self.orientation.on_page(y, z)
+
+    def places(self, y: ArrayLike, z: ArrayLike) -> Array:
+        """Points Y and Z as points of the page, shape (..., 2)."""
+        return self.orientation.on_page(np.asarray(y, dtype=float) - self.y, np.asarray(z, dtype=float) - self.z)
+
+    def points(self, places: ArrayLike) -> Array:
+        """Points of the page, shape (..., 2), as Y and Z, shape (2, ...)."""
+        found = self.orientation.off_page(places)
+        found[0] += self.y
+        found[1] += self.z
+        return found

@@ -39,6 +39,7 @@ class Theme:
         ground, ink, muted, faint: background, text and wing, secondary text, grid and half-stroke shading.
         force: the resultant force.
         anchors: the diverging map's colours, evenly spaced from the lower limit to the upper.
+        flow: those of a map for pictures that fill the ground, which is what zero looks like.
     """
 
     ground: str
@@ -47,14 +48,19 @@ class Theme:
     faint: str
     force: str
     anchors: tuple[str, ...]
+    flow: tuple[str, ...]
 
 
 LIGHT = Theme(
-    "#ffffff", "#16191d", "#5c6570", "#eceff2", "#008560", ("#08306b", "#2171c7", "#cbcbcb", "#dd5f0b", "#7a2300")
-)
+    "#ffffff", "#16191d", "#5c6570", "#eceff2", "#008560",
+    ("#08306b", "#2171c7", "#cbcbcb", "#dd5f0b", "#7a2300"),
+    ("#0a3a78", "#2b7fc8", "#94c4ea", "#ffffff", "#f9bd8c", "#df6d1c", "#7f2a00"),
+)  # fmt: skip
 DARK = Theme(
-    "#14171b", "#eef1f4", "#a2abb5", "#23282e", "#3ddba4", ("#c6e6ff", "#4aa3f5", "#5f6369", "#f08c38", "#ffe1b3")
-)
+    "#14171b", "#eef1f4", "#a2abb5", "#23282e", "#3ddba4",
+    ("#c6e6ff", "#4aa3f5", "#5f6369", "#f08c38", "#ffe1b3"),
+    ("#bfe3ff", "#4aa3f5", "#1f5485", "#14171b", "#7a3f12", "#f08c38", "#ffe1b3"),
+)  # fmt: skip
 
 LINES = ("#0060a8", "#d55e00")
 """Colours of the first and second result of a comparison."""

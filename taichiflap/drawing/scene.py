@@ -12,7 +12,7 @@ from ..case.case import Case
 from ..errors import UserError
 from ..notation import printable
 from ..results.reader import Result
-from .orientation import Orientation
+from .orientation import INERTIAL, Orientation, Standpoint
 from .palette import rounded_up, symmetric_limit
 
 Array = NDArray[np.float64]
@@ -41,6 +41,8 @@ class Frame:
 
     Attributes:
         beats: time over the period, t/T, or over the duration of a non-periodic run.
+        index: of the frame in the result.
+        stand: the viewpoint, see `orientation.Standpoint`.
         wing: positions of the nodes on the page, m, shape (nodes, 2).
         wake: positions of the wake vortices on the page, m, oldest first, shape (vortices, 2).
         circulation: circulation of the wake vortices, m2/s.
@@ -51,6 +53,8 @@ class Frame:
     """
 
     beats: float
+    index: int
+    stand: Standpoint
     wing: Array
     wake: Array
     circulation: Array
@@ -130,9 +134,14 @@ def _within(result: Result, time: Array, beats: int) -> NDArray[np.intp]:
     return np.flatnonzero((turns >= first - 1e-9) & (turns <= whole + 1e-9))
 
 
-def frame(result: Result, index: int) -> Frame:
-    """One frame of a result, read alone."""
-    on_page = Orientation.of(result.case).on_page
+def frame(result: Result, index: int, reference: str = INERTIAL) -> Frame:
+    """One frame of a result, read alone.
+
+    Args:
+        reference: the frame of reference that it is drawn in, one of `orientation.FRAMES`.
+    """
+    stand = Standpoint.of(result, index, reference)
+    on_page = stand.vectors
     nodes = result.frame("node_position", index)
     wake = result.wake(index)
     pitch = float(result.frame("pitch", index))
@@ -140,8 +149,10 @@ def frame(result: Result, index: int) -> Frame:
     axial = np.asarray(result.frame("shear", index), dtype=float) if "shear" in result.variables else 0.0 * normal
     return Frame(
         beats=float(result.frame("time", index)) / result.case.beat,
-        wing=on_page(nodes[:, 0], nodes[:, 1]),
-        wake=on_page(wake["y"], wake["z"]),
+        index=range(result.frames)[index],
+        stand=stand,
+        wing=stand.places(nodes[:, 0], nodes[:, 1]),
+        wake=stand.places(wake["y"], wake["z"]),
         circulation=np.asarray(wake["circulation"], dtype=float),
         age=(float(result.case.step_of(range(result.frames)[index])) - wake["birth"]) / result.case.steps_per_beat,
         edge=np.asarray(wake["edge"], dtype=int),
@@ -152,8 +163,12 @@ def frame(result: Result, index: int) -> Frame:
     )
 
 
-def bounds(frames: list[Frame], case: Case) -> Bounds:
-    """Bounds for all frames: the wing with its forces, and the wake near it without outliers."""
+def bounds(frames: list[Frame], case: Case, flow: tuple[float, float, float, float] | None = None) -> Bounds:
+    """Bounds for all frames: the wing with its forces, and the wake near it without outliers.
+
+    Args:
+        flow: the box (left, bottom, right, top, m) of a picture of the flow behind them.
+    """
     chord = case.wing.chord
     force = rounded_up(max(math.hypot(*f.force) for f in frames) or 1.0)
     traction = rounded_up(max(float(np.hypot(*f.traction.T).max()) for f in frames) or 1.0)
@@ -165,7 +180,9 @@ def bounds(frames: list[Frame], case: Case) -> Bounds:
     wake, circulation = wake[near], np.concatenate([f.circulation for f in frames])[near]
     # From the last beat, since vortices that have absorbed others are many times as strong as new ones.
     limit = symmetric_limit(np.concatenate([f.circulation[f.age < 1.0] for f in frames]))
-    if len(wake):
+    if flow is not None:
+        shown.append(np.reshape(flow, (2, 2)))
+    elif len(wake):
         shown.append(np.quantile(wake, (OUTLYING, 1.0 - OUTLYING), axis=0))
     else:
         shown += [f.middles + f.traction * REACH * chord / traction for f in frames]

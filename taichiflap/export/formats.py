@@ -4,11 +4,14 @@ from pathlib import Path
 
 from .. import files
 from ..drawing import palette
+from ..drawing.orientation import FRAMES, INERTIAL
 from ..maps.file import Map
 from ..results.reader import Result
 
-FORMATS = ("csv", "vtkhdf", "html", "mp4", "gif")
+FORMATS = ("csv", "vtkhdf", "html", "mp4", "gif", "flow.vtkhdf", "nc")
 FILMS = ("mp4", "gif")
+SEEN = ("html", "mp4", "gif", "flow.vtkhdf", "nc")
+"""Formats that stand in a frame of reference; the last two have the flow on a plain grid."""
 BEATS = {"html": 4, "mp4": 2, "gif": 1}
 """Formats that show the last beats, and the default number of beats."""
 
@@ -20,6 +23,7 @@ def export(
     beats: int | None = None,
     overwrite: bool = False,
     dark: bool = False,
+    reference: str = INERTIAL,
 ) -> Path:
     """Write a result in another format and return the file's name.
 
@@ -28,6 +32,7 @@ def export(
         path: the file, or its folder; if None, the result's name in the current folder.
         beats: number of last beats in a page or a film; fewer if the run has fewer.
         dark: draw a film on a dark background.
+        reference: frame of reference of a page, a film or a plain grid: `inertial` or `wing`.
 
     Raises:
         OutputError: for an unknown format, or if the file exists or cannot be written.
@@ -39,6 +44,10 @@ def export(
         raise files.OutputError(f"{kind} contains the whole run; --beats applies to {', '.join(BEATS)}")
     if beats is not None and beats < 1:
         raise files.OutputError(f"--beats {beats}: must be at least 1")
+    if reference not in FRAMES:
+        raise files.OutputError(f"unknown frame {reference!r}; use {' or '.join(FRAMES)}")
+    if reference != INERTIAL and kind not in SEEN:
+        raise files.OutputError(f"--frame applies to {', '.join(SEEN)}")
     if dark and kind not in FILMS:
         raise files.OutputError(f"--dark applies to {' and '.join(FILMS)}")
     path = files.place(result, path, f".{kind}")
@@ -57,12 +66,16 @@ def export(
     elif kind == "html":
         from .page import write_html  # noqa: PLC0415
 
-        write_html(result, path, beats or BEATS[kind])
+        write_html(result, path, beats or BEATS[kind], reference)
+    elif kind in ("flow.vtkhdf", "nc"):
+        from .grid import write_flow, write_netcdf  # noqa: PLC0415
+
+        (write_netcdf if kind == "nc" else write_flow)(result, path, reference)
     else:
         from .film import write_gif, write_mp4  # noqa: PLC0415
 
         theme = palette.DARK if dark else palette.LIGHT
-        (write_mp4 if kind == "mp4" else write_gif)(result, path, beats or BEATS[kind], theme)
+        (write_mp4 if kind == "mp4" else write_gif)(result, path, beats or BEATS[kind], theme, reference)
     return path
 
 

@@ -4,6 +4,7 @@ import base64
 import html
 import json
 import math
+import zlib
 from importlib import resources
 from pathlib import Path
 from string import Template
@@ -13,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import files
-from ..drawing import palette, scene
+from ..drawing import flow, palette, scene
+from ..drawing.orientation import INERTIAL
 from ..metrics.summary import reversals
 from ..notation import prefixed
 from ..results.reader import Result
@@ -22,19 +24,26 @@ BUDGET = 7_000_000
 """Maximum size of the numbers in a page, in bytes, for a page below 10 MB."""
 MOST, FEWEST = 100, 20
 """Frames per beat, enough for smooth motion."""
+ACROSS = 288
+"""Points along the longer side of a picture of the flow."""
 STEPS = 32767
 """Largest integer for the quantised numbers."""
 
 
-def write_html(result: Result, path: Path, beats: int) -> int:
+def write_html(result: Result, path: Path, beats: int, reference: str = INERTIAL) -> int:
     """Write a page with the last beats, or as many of them as fit in 10 MB, and return its number of frames.
+
+    Args:
+        reference: the frame of reference that it is drawn in.
 
     Raises:
         SceneError: when the result has no whole beat.
         OutputError: if not even one beat fits, or the file cannot be written.
     """
-    indices, per_beat = _fitting(result, path, beats)
-    page = _page(result, [scene.frame(result, int(index)) for index in indices], indices, per_beat)
+    indices, per_beat = _fitting(result, path, beats, reference)
+    page = _page(
+        result, [scene.frame(result, int(index), reference) for index in indices], indices, per_beat, reference
+    )
     with files.replacing(path) as file:
         file.write(page.encode())
     return len(indices)
@@ -51,37 +60,59 @@ def pack(values: ArrayLike) -> dict[str, Any]:
     return {"offset": offset, "scale": scale, "data": _base64(whole)}
 
 
-def _fitting(result: Result, path: Path, beats: int) -> tuple[NDArray[np.intp], float]:
+def pack_picture(levels: NDArray[np.uint8]) -> bytes:
+    """A picture (rows, columns) as differences from pixel to pixel along its rows, deflated."""
+    changes = np.diff(levels, axis=1, prepend=np.uint8(0))
+    return zlib.compress(np.ascontiguousarray(changes, np.uint8).tobytes(), 9)
+
+
+def levels(backdrop: flow.Backdrop, frame: scene.Frame, page: tuple[float, float, float, float]) -> bytes:
+    """The packed picture behind a frame, top row first: 1 to 255 from limit to limit, 128 for nothing."""
+    scaled = np.clip(backdrop.vorticity(frame, page, ACROSS) / backdrop.limit, -1.0, 1.0)
+    return pack_picture(np.rint(128.0 + 127.0 * scaled)[::-1].astype(np.uint8))
+
+
+def _fitting(result: Result, path: Path, beats: int, reference: str) -> tuple[NDArray[np.intp], float]:
     """Frames that fit in the budget, and their number per beat."""
     stored = result.case.steps_per_beat / result.case.output.every
+    picture = 0
+    last = scene.last_beats(result)
+    if backdrop := flow.Backdrop.of(result, last, reference):
+        frame = scene.frame(result, int(last[-1]), reference)
+        picture = round(1.2 * len(levels(backdrop, frame, scene.bounds([frame], result.case, backdrop.box).page)))
     for count in range(beats, 0, -1):
         indices = scene.last_beats(result, count)[:-1]
         nodes = result.file["node_position"].shape[1]
         most_vortices = max(len(result.wake(int(index))["y"]) for index in (indices[0], indices[-1]))
-        room = BUDGET / (2.0 * (3 * most_vortices + 4 * nodes + 4))
+        room = BUDGET / (2.0 * (3 * most_vortices + 4 * nodes + 4) + picture)
         stride = max(math.ceil(stored / MOST), math.ceil(len(indices) / room))
         if stored / stride >= min(FEWEST, stored):
             return indices[::stride], stored / stride
     raise files.OutputError(f"{path}: one beat of this wake exceeds the limit of 10 MB; export it as mp4")
 
 
-def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], per_beat: float) -> str:
+def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], per_beat: float, reference: str) -> str:
     case = result.case
     steps = case.step_of(indices)
-    shared, way = scene.bounds(frames, case), scene.stroke(result, indices)
-    loaded = not any(len(frame.wake) for frame in frames)
+    backdrop = flow.Backdrop.of(result, indices, reference)
+    shared = scene.bounds(frames, case, backdrop.box if backdrop else None)
+    left, right, bottom, top = shared.page
+    way = scene.stroke(result, indices) if reference == INERTIAL else None
+    loaded = not any(len(frame.wake) for frame in frames) and backdrop is None
     data = {
         "chord": case.wing.chord,
         "beat": case.beat,
         "periodic": case.periodic,
         "stroke": None if way is None else way.tolist(),
-        "stream": scene.stream(case),
+        "stream": scene.stream(case) if reference == INERTIAL else "",
         "first": frames[0].beats,
         "reversals": _reversals(result, frames[0].beats, per_beat, len(frames)),
         "per_beat": per_beat,
         "page": shared.page,
-        "limit": shared.circulation,
-        "saturated": shared.saturated,
+        "limit": backdrop.limit if backdrop else shared.circulation,
+        "saturated": backdrop is not None or shared.saturated,
+        "size": flow.shape_of((left, bottom, right, top), ACROSS)[::-1],
+        "pictures": [_encoded(levels(backdrop, frame, shared.page)) for frame in frames] if backdrop else [],
         "force_limit": shared.force,
         "force_unit": prefixed(shared.force, "N"),
         "tip_unit": prefixed(float(np.abs(result.tip_deflection[steps]).max()), "m") if case.wing.modes else None,
@@ -98,20 +129,21 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "tip": pack(result.tip_deflection[steps]),
         "lift": pack(result.force_vertical[steps]),
         "tables": {
-            "light": _base64(palette.table(palette.LIGHT.anchors)),
-            "dark": _base64(palette.table(palette.DARK.anchors)),
+            name: _base64(palette.table(theme.flow if backdrop else theme.anchors))
+            for name, theme in (("light", palette.LIGHT), ("dark", palette.DARK))
         },
     }
     model = f"{case.model}, {'flexible' if case.wing.modes else 'rigid'} wing"
     if case.motion.frequency:
         model += f", {case.motion.frequency:g} Hz"
-    if not result.has_wake:
+    if not (result.has_wake or backdrop):
         model += "; the model has no wake"
     return Template(resources.files(__package__).joinpath("player.html").read_text(encoding="utf-8")).substitute(
         title=html.escape(scene.label(result)),
         model=html.escape(model),
         light=_properties(palette.LIGHT),
         dark=_properties(palette.DARK),
+        key="vorticity ω (1/s)" if backdrop else "wake circulation Γ (m²/s)",
         data=json.dumps(data).replace("<", "\\u003c"),
         timeline=resources.files("taichiflap.drawing").joinpath("timeline.js").read_text(encoding="utf-8"),
     )
@@ -129,4 +161,8 @@ def _properties(theme: palette.Theme) -> str:
 
 
 def _base64(values: NDArray[Any]) -> str:
-    return base64.b64encode(values.tobytes()).decode()
+    return _encoded(values.tobytes())
+
+
+def _encoded(content: bytes) -> str:
+    return base64.b64encode(content).decode()

@@ -120,6 +120,25 @@ Velocity = Callable[[Array], Array]
 """Velocity of the fluid (m/s, along Y and Z) at points (Y and Z, m), both of shape (2, ...)."""
 
 
+Sampled = Callable[[Array], Array]
+"""A scalar of the flow at points (Y and Z, m, shape (2, ...)), of shape (...)."""
+
+
+@dataclass(frozen=True)
+class FlowField:
+    """The flow of one frame of a result, as functions of points in the inertial frame. Inside the section it is NaN.
+
+    Attributes:
+        velocity: m/s.
+        vorticity: 1/s, positive counter-clockwise in (Y, Z); None where it is the curl of the velocity alone.
+        streamfunction: psi, m2/s, the velocity being (d psi/dZ, -d psi/dY); None where the model has none.
+    """
+
+    velocity: Velocity
+    vorticity: Sampled | None = None
+    streamfunction: Sampled | None = None
+
+
 @dataclass(frozen=True)
 class Flow:
     """The state of a batch of cases, and its functions, which the march fuses into one kernel for many steps.
@@ -174,6 +193,7 @@ class Model:
             unit and range; None accepts any keys.
         elements: number of equal elements along the chord, unless the model defines `nodes`.
         draws_flow: whether the model defines `velocity`.
+        stores_vorticity: whether a result contains the vorticity of the fluid, which pictures then show.
         sheds_behind: whether the wake is shed from the trailing edge only; warns if the stream reaches that edge first.
     """
 
@@ -182,6 +202,7 @@ class Model:
     numbers: ClassVar[type[Section] | None] = None
     elements: ClassVar[int] = 50
     draws_flow: ClassVar[bool] = False
+    stores_vorticity: ClassVar[bool] = False
     sheds_behind: ClassVar[bool] = False
 
     def nodes(self, case: Case) -> Array:
@@ -240,6 +261,11 @@ class Model:
         It reads the file before it returns, since the returned function may be called by another thread.
         """
         return None
+
+    def field(self, result: Any, index: int) -> FlowField | None:
+        """All that the model knows of the flow of a frame; None where it knows nothing. Read as `velocity` is."""
+        velocity = self.velocity(result, index)
+        return FlowField(velocity) if velocity else None
 
     def parameters(self, case: Case) -> Any:
         """The case's `numbers`, checked, with the defaults of the model's table.

@@ -32,13 +32,13 @@ from ..march.state import (
 from ..motion.sampling import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE
 from ..structure.beam import Modes
 from ..structure.chordwise import Profile
-from .interface import WAKE, Axis, Flow, Model, Output, Refinement, standard
+from .interface import WAKE, Axis, Flow, FlowField, Model, Output, Refinement, standard
 
 __all__ = [
     "ACCEL", "AMPLITUDE", "AXIAL", "BETA", "C0", "C1", "C2", "COSINE", "MOMENT", "NORMAL", "PITCH", "PITCH_ACCEL",
     "PITCH_RATE", "PLUNGE", "PLUNGE_ACCEL", "PLUNGE_RATE", "RATE", "SINE", "UNSTEADY", "WAKE", "Axis", "Case", "Flow",
-    "Model", "Modes", "Output", "Profile", "Refinement", "Table", "View", "flow_of", "key", "most_modes", "pivot_heave",
-    "pivot_velocity", "standard", "superpose", "ti",
+    "FlowField", "Model", "Modes", "Output", "Profile", "Refinement", "Table", "View", "flow_of", "key", "most_modes",
+    "pivot_heave", "pivot_velocity", "standard", "superpose", "ti",
 ]  # fmt: skip
 
 

@@ -12,7 +12,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from .. import files
-from ..drawing import palette, scene
+from ..drawing import flow, palette, scene
+from ..drawing.orientation import INERTIAL
 from ..notation import prefixed
 from ..results.reader import Result
 from . import formats, style
@@ -26,6 +27,10 @@ POINTS = 72
 INSTANTS = 8
 ARROWS = 9
 """Number of load arrows along a chord."""
+ACROSS = 320
+"""Points along the longer side of a picture of the flow."""
+FINE = 0.7
+"""Width of the wing over such a picture, relative to that of one alone."""
 MANY_DOTS = 6000
 """Above this number dots are drawn as pixels in an SVG, to keep the file small."""
 
@@ -40,6 +45,7 @@ def plot(
     metrics: Sequence[str] = (),
     beats: int = 1,
     look: str | None = None,
+    reference: str = INERTIAL,
 ) -> list[Path]:
     """Write `STEM-summary` of all results, and `STEM-wing`, `STEM-wing-2`, ... of each, as PNG and SVG.
 
@@ -51,6 +57,7 @@ def plot(
         metrics: names of series for the summary, in the place of tip deflection, forces and power.
         beats: how many of the last beats the summary shows.
         look: a style of matplotlib's, or a `.mplstyle` file, over the house's own.
+        reference: the frame of reference that wings are drawn in, `inertial` or `wing`.
 
     Returns:
         The files written.
@@ -67,13 +74,13 @@ def plot(
         for kind in kinds:
             files.check(stem.with_name(f"{stem.name}-{name}.{kind}"), overwrite)
     with style.using(look):
-        wings = (wing(one, sheets, width) for one in results)
+        wings = (wing(one, sheets, width, reference) for one in results)
         figures = dict(zip(names, (summary(results, width, metrics, beats), *wings), strict=True))
         return formats.write(figures, stem, kinds, style.current(), overwrite)
 
 
-def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
-    """The wing at instants of the last beat, with its wake if the model has one, or else with the load on the chord.
+def wing(result: Result, sheets: bool = False, width: float = WIDTH, reference: str = INERTIAL) -> Figure:
+    """The wing at instants of the last beat: with its wake or the vorticity if there is one, else its load.
 
     Raises:
         SceneError: when the result has no whole beat.
@@ -82,15 +89,16 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
     # A beat ends as it begins; a non-periodic motion starts without a wake and is shown to its end.
     instants = np.linspace(0, len(stored) - 1, INSTANTS + 1)
     chosen = stored[np.rint(instants).astype(int)[:-1] if result.case.periodic else np.rint(instants).astype(int)[1:]]
-    frames = [scene.frame(result, int(index)) for index in chosen]
+    frames = [scene.frame(result, int(index), reference) for index in chosen]
     beat = round(frames[0].beats)
     chord = result.case.wing.chord
-    shared = scene.bounds(frames, result.case)
+    backdrop = flow.Backdrop.of(result, chosen, reference)
+    shared = scene.bounds(frames, result.case, backdrop.box if backdrop else None)
     dotted = any(len(frame.wake) for frame in frames)
     many = sum(len(frame.wake) for frame in frames) > MANY_DOTS
     left, right, bottom, top = (1e3 * edge for edge in shared.page)
     columns = INSTANTS // 2
-    cell = (width - (1.75 if dotted else 0.6)) / columns - 0.1
+    cell = (width - (1.75 if dotted or backdrop else 0.6)) / columns - 0.1
     size = POINTS * cell * 1e3 * chord / (right - left)
     height = min(2.0 * cell * (top - bottom) / (right - left) + 1.15, 9.0)
     head = 1.0 - 0.13 / height
@@ -100,12 +108,16 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
         axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):
             dots = _draw_wake(ax, frame, shared, size, many, sheets) if dotted else None
-            _draw_wing(ax, frame, size)
+            if backdrop:
+                dots = _draw_flow(ax, frame, shared, backdrop)
+            _draw_wing(ax, frame, size * (FINE if backdrop else 1.0))
             ax.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
             ax.set_title(scene.when(result.case, round(frame.beats, 6)), fontsize=8, pad=3)
             arrows = (_draw_load if dots is None else _draw_force)(ax, frame, shared, chord, size)
         streams = scene.stream(result.case)
         across, up = ("Along the stream", "Lift up") if streams else ("Along the stroke, Z", "Up, −Y")
+        if reference != INERTIAL:
+            across, up, streams = "Along the chord, y", "Normal to it, z", ""
         figure.supxlabel(f"{across} (mm)", fontsize=8)
         figure.supylabel(f"{up} (mm)", fontsize=8)
         if streams:
@@ -115,24 +127,29 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH) -> Figure:
         else:
             factor, unit = prefixed(shared.force, "N")
             text, size = f"{factor * shared.force:g} {unit}, force of the fluid", shared.force
-            if sheets:
-                marks = [
-                    Line2D([], [], marker="o", linestyle="", markersize=4, color=colour, label=f"{edge} edge")
-                    for colour, edge in zip(palette.SHEETS, ("trailing", "leading"), strict=True)
-                ]
-                figure.legend(handles=marks, loc="outside right center", title="Shed by the")
-            else:
-                bar = figure.colorbar(
-                    dots, ax=axes, shrink=0.85, aspect=35, pad=0.015, extend="both" if shared.saturated else "neither"
-                )
-                bar.set_label("Circulation of wake vortices, Γ (m² s⁻¹)\npositive counter-clockwise")
-                bar.outline.set_linewidth(0.4)
+            _draw_key(figure, axes, dots, backdrop is not None, shared.saturated, sheets)
         title = f"{scene.label(result)}, {result.case.model}{f': beat {beat + 1}' if result.case.periodic else ''}"
         figure.text(0.01, head, title, va="center", fontsize=8.5)
         axes[0, 0].quiverkey(
             arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}
         )
     return figure
+
+
+def _draw_key(figure: Figure, axes: Any, drawn: Any, flows: bool, saturated: bool, sheets: bool) -> None:
+    """What the colours of the vorticity (if it `flows`) or of the wake stand for."""
+    if sheets and not flows:
+        marks = [
+            Line2D([], [], marker="o", linestyle="", markersize=4, color=colour, label=f"{edge} edge")
+            for colour, edge in zip(palette.SHEETS, ("trailing", "leading"), strict=True)
+        ]
+        figure.legend(handles=marks, loc="outside right center", title="Shed by the")
+        return
+    ends = "both" if flows or saturated else "neither"
+    bar = figure.colorbar(drawn, ax=axes, shrink=0.85, aspect=35, pad=0.015, extend=ends)
+    key = "Vorticity, ω (s⁻¹)" if flows else "Circulation of wake vortices, Γ (m² s⁻¹)"
+    bar.set_label(f"{key}\npositive counter-clockwise")
+    bar.outline.set_linewidth(0.4)
 
 
 def _draw_stream(ax: Any, text: str) -> None:
@@ -155,6 +172,15 @@ def _draw_wake(ax: Any, frame: scene.Frame, shared: scene.Bounds, size: float, m
         *(1e3 * frame.wake[order].T), c=frame.circulation[order], cmap=cmap, linewidths=0.0,
         s=np.clip(0.105 * size, 0.8, 2.0) ** 2,
         norm=Normalize(-shared.circulation, shared.circulation), rasterized=many, zorder=2,
+    )  # fmt: skip
+
+
+def _draw_flow(ax: Any, frame: scene.Frame, shared: scene.Bounds, backdrop: flow.Backdrop) -> Any:
+    """The vorticity as a picture that fills the panel."""
+    cmap = ListedColormap(palette.table(palette.LIGHT.flow) / 255.0)
+    return ax.imshow(
+        backdrop.vorticity(frame, shared.page, ACROSS), cmap=cmap, norm=Normalize(-backdrop.limit, backdrop.limit),
+        extent=[1e3 * edge for edge in shared.page], origin="lower", interpolation="bicubic", zorder=1,
     )  # fmt: skip
 
 

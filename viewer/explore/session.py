@@ -20,7 +20,7 @@ from .. import compare
 from ..background import Background
 from ..charts import Charts
 from ..colours import RUNS
-from ..field import Fields
+from ..field import Fields, Wanted
 from ..frames import Run
 from ..scene import Actor, Look, Stage, common_ranges
 from ..server import notice
@@ -106,10 +106,11 @@ class ExploreSession(Session):
         self._shape = self._signature(self.run)
         actors = [Actor(scene, self.run, Look("", None, "circle"), self.theme, ranges)]
         actors.append(Actor(scene, self.pinned, GHOST, self.theme, ranges))
-        return Stage(scene, self.run, self.theme), actors
+        return Stage(scene, self.run, self.theme, self.playback.layers["riding"]), actors
 
     def _layers(self, actor: Actor) -> dict[str, bool]:
-        return self.playback.layers if actor is self.actors[0] else dict.fromkeys(self.playback.layers, False)
+        layers = self.playback.layers
+        return layers if actor is self.actors[0] else dict.fromkeys(layers, False) | {"riding": layers["riding"]}
 
     @staticmethod
     def _signature(run: Run) -> tuple[Any, ...]:
@@ -312,7 +313,7 @@ class ExploreSession(Session):
                 self.playback.position = float(run.frames - 1 if run.live else run.index_at(turns))
                 self.bar.tell(run)
                 if self.playback.background != "none":
-                    self.background.show("none", 0, self.theme)
+                    self.background.show(Wanted(), 0, self.theme)
                     self.background = Background(self.client, Fields(run, self._pool), self._lock, self._tell_legend)
             self._refresh()
             if old not in (self.run, self.pinned):

@@ -9,7 +9,7 @@ import numpy as np
 from ...case.case import Case
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
-from ..interface import Array, Axis, Flow, Model, Output, Refinement, standard
+from ..interface import Array, Axis, Flow, FlowField, Model, Output, Refinement, Velocity, standard
 from .settings import INSERTED, ResolutionError, checked, completed, settings, starts_with_jump
 
 _FRICTION = "the rest is pressure"
@@ -19,6 +19,8 @@ class NavierStokes(Model):
     """The Navier-Stokes equations (`[navier_stokes]`)."""
 
     name = "Navier-Stokes"
+    draws_flow = True
+    stores_vorticity = True
     outputs = (
         *standard("pressure_jump", "shear"),
         Output("friction_normal", (), "N", "share of force_normal from friction", "F_N,f", _FRICTION),
@@ -118,6 +120,15 @@ class NavierStokes(Model):
     def work(self, case: Case, step: int) -> float:
         grid = settings(case).grid(case.wing.pivot)
         return (40.0 if case.wing.modes else 20.0) * grid.rows * grid.points
+
+    def velocity(self, result: Any, index: int) -> Velocity:
+        return self.field(result, index).velocity
+
+    def field(self, result: Any, index: int) -> FlowField:
+        from .field import Field  # noqa: PLC0415 - for a picture of the flow alone
+
+        found = Field.of(result, index)
+        return FlowField(found.velocity_at, found.vorticity_at, found.streamfunction_at)
 
     def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
         from .flow import flow  # noqa: PLC0415 - Taichi, for a run alone

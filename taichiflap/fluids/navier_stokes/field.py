@@ -1,24 +1,27 @@
-"""A stored frame of a flow as a field in space: where its cells are, and its vorticity on a plain grid."""
+"""A stored frame of a flow as a field in space: where its cells are, and the flow at any points."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .grid import areas, positions, slopes
+from .inverse import inverted
 from .settings import settings
+from .wall_motion import WallMotion
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-NEWTON_STEPS = 50
-CLOSE = 1e-10
-"""Error of an inverted map, chords."""
+SEAM = 8
+"""Cells on either side of the seam phi = 0 that a periodic row goes on for."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """Vorticity on the grid about the wing.
+    """The flow on the grid about the wing.
 
     Attributes:
         rho, phi: coordinates of the cells' centres.
@@ -28,6 +31,8 @@ class Field:
         pivot: its position Y + i Z, m.
         pitch: rad.
         chord: m.
+        wall: how the wing moves through the fluid.
+        stream: velocity of the free stream along Y and Z, m/s.
     """
 
     rho: Array
@@ -38,6 +43,9 @@ class Field:
     pivot: complex
     pitch: float
     chord: float
+    wall: WallMotion
+    stream: complex = 0.0
+    _last: list[Any] = field(default_factory=list, compare=False, repr=False)
 
     @classmethod
     def of(cls, result: Any, frame: int) -> "Field":
@@ -48,23 +56,24 @@ class Field:
         """
         case = result.case
         grid = settings(case).grid(case.wing.pivot)
-        frame = range(len(result.vorticity))[frame]
-        step = int(case.step_of(frame))
-        pairs = np.asarray(result.map[frame])
+        frame = range(result.frames)[frame]
+        pairs = np.asarray(result.frame("map", frame))
         return cls(
             rho=0.5 * (grid.faces[1:] + grid.faces[:-1]),
             phi=grid.centres,
             faces=grid.faces,
-            vorticity=np.asarray(result.vorticity[frame], float),
+            vorticity=np.asarray(result.frame("vorticity", frame), float),
             coefficients=pairs[:, 0] + 1j * pairs[:, 1],
-            pivot=complex(result.surge[step], result.plunge[step]),
-            pitch=float(result.pitch[step]),
+            pivot=complex(result.frame("surge", frame), result.frame("plunge", frame)),
+            pitch=float(result.frame("pitch", frame)),
             chord=case.wing.chord,
+            wall=WallMotion.of(result, frame),
+            stream=complex(*case.fluid.velocity),
         )
 
     def positions(self, inertial: bool = True) -> Complex:
         """Y + i Z of the cells' centres, or y + i z in the wing's axes: (rho, phi), m."""
-        wing, _ = self._mapped(np.exp(self.rho[:, None] + 1j * self.phi))
+        wing = positions(self.coefficients, self.rho, self.phi)
         return self.pivot + wing * np.exp(1j * self.pitch) if inertial else wing
 
     def resampled(self, y: ArrayLike, z: ArrayLike, inertial: bool = True) -> Array:
@@ -76,47 +85,95 @@ class Field:
             y, z: coordinates along Y and Z, or along the wing's axes from the pivot, m.
         """
         points = np.asarray(y, float)[:, None] + 1j * np.asarray(z, float)
-        if inertial:
-            points = (points - self.pivot) * np.exp(-1j * self.pitch)
-        zeta = self._inverted(points)
-        rho, phi = np.log(np.abs(zeta)), np.angle(zeta) % (2.0 * np.pi)
-        row = np.clip(np.searchsorted(self.rho, rho) - 1, 0, len(self.rho) - 2)
-        share = np.clip((rho - self.rho[row]) / (self.rho[row + 1] - self.rho[row]), 0.0, 1.0)
-        cell = phi / (self.phi[1] - self.phi[0]) - 0.5
-        left = np.floor(cell).astype(int)
-        aside = cell - left
-        count = len(self.phi)
-        below, above = (
-            (1.0 - aside) * self.vorticity[r, left % count] + aside * self.vorticity[r, (left + 1) % count]
-            for r in (row, row + 1)
-        )
-        found = np.where(rho > self.faces[-1], 0.0, (1.0 - share) * below + share * above)
-        return np.where(rho < 0.0, np.nan, found)
+        if not inertial:
+            points = self.pivot + points * np.exp(1j * self.pitch)
+        return self.vorticity_at(np.stack((points.real, points.imag)))
 
-    def _mapped(self, zeta: Complex) -> tuple[Complex, Complex]:
-        """F(zeta), and its derivative."""
-        total, slope = np.zeros_like(zeta), np.zeros_like(zeta)
-        for n in range(len(self.coefficients) - 2, -1, -1):
-            slope = slope / zeta + n * self.coefficients[n + 1]
-            total = total / zeta + self.coefficients[n + 1]
-        return total + self.coefficients[0] * zeta, self.coefficients[0] - slope / zeta
+    def vorticity_at(self, points: Array) -> Array:
+        """Vorticity (1/s) at points Y and Z (m), (2, ...): NaN inside the section, zero outside the grid."""
+        rho, place = self._located(points)
+        return _outside(rho, np.where(rho > self.faces[-1], 0.0, self._sampled(self.vorticity, place)))
 
-    def _inverted(self, points: Complex) -> Complex:
-        """zeta of points, by Newton's method from the nearest cell; of length below one inside the section."""
-        from scipy.spatial import cKDTree  # noqa: PLC0415 - slow to import, and only a resampled field needs it
+    def velocity_at(self, points: Array) -> Array:
+        """Velocity of the fluid (m/s) along Y and Z at points Y and Z (m), (2, ...): NaN inside the section.
 
-        known = np.exp(self.rho[:, None] + 1j * self.phi).ravel()
-        wing, _ = self._mapped(known)
-        tree = cKDTree(np.stack((wing.real, wing.imag), axis=1))
-        _, nearest = tree.query(np.stack((points.real.ravel(), points.imag.ravel()), axis=1))
-        zeta = known[nearest].reshape(points.shape)
-        for _ in range(NEWTON_STEPS):
-            found, slope = self._mapped(zeta)
-            step = (found - points) / slope
-            # Not far inside, where the series of a bent section does not converge.
-            step *= np.minimum(1.0, 0.3 * np.abs(zeta) / np.maximum(np.abs(step), 1e-300))
-            zeta = zeta - step
-            zeta = np.where(np.abs(zeta) < 0.8, zeta / np.abs(zeta) * 0.8, zeta)
-            if np.all((np.abs(step) * np.abs(slope) < CLOSE * self.chord) | (np.abs(zeta) <= 0.8 + 1e-12)):
-                break
-        return zeta
+        Outside the grid it is that of its outermost row.
+        """
+        rho, place = self._located(points)
+        found = self._velocity
+        return np.stack([_outside(rho, self._sampled(part, place)) for part in (found.real, found.imag)])
+
+    def streamfunction_at(self, points: Array) -> Array:
+        """Streamfunction psi (m2/s) at points Y and Z (m), (2, ...): NaN inside the section.
+
+        The velocity is (d psi/dZ, -d psi/dY), the stream included.
+        """
+        rho, place = self._located(points)
+        wing = self._wing(points)
+        found = self._sampled(0.5 * (self._psi[1:] + self._psi[:-1]), place)
+        carried = (self.stream.conjugate() * (wing * np.exp(1j * self.pitch))).imag
+        return _outside(rho, self.chord**2 * found + carried)
+
+    @cached_property
+    def _psi(self) -> Array:
+        """Streamfunction of the motion relative to the stream on the faces, (rows + 1, phi), chords^2/s."""
+        drho, count = np.diff(self.faces), len(self.phi)
+        scaled = self.coefficients / self.chord
+        corner = positions(scaled, self.faces, self.phi + 0.5 * (self.phi[1] - self.phi[0]))
+        source = np.fft.rfft(areas(corner, drho, self.phi[1] - self.phi[0]) * self.vorticity)
+        k = np.arange(source.shape[1])
+        decay = np.exp(-np.outer(drho, k))
+        weight = np.concatenate((drho[:, None], (1.0 - decay[:, 1:]) / k[1:]), axis=1)
+        falling = np.zeros((len(drho) + 1, len(k)), complex)
+        for j in range(len(drho) - 1, -1, -1):
+            falling[j] = decay[j] * falling[j + 1] + weight[j] * source[j]
+        place = positions(scaled, np.zeros(1), self.phi)[0]
+        tangent, psi = self.wall.on(place, slopes(scaled, self.phi))
+        falling[:, 0] -= falling[0, 0] + np.fft.rfft(tangent)[0]
+        climbing = np.zeros_like(falling)
+        climbing[0] = np.fft.rfft(psi)
+        for j in range(len(drho)):
+            climbing[j + 1] = decay[j] * climbing[j] + 0.5 * weight[j] * (falling[j] + falling[j + 1])
+        return np.fft.irfft(climbing, count)
+
+    @cached_property
+    def _velocity(self) -> Complex:
+        """Velocity Y + i Z of the fluid in the cells, (rho, phi), m/s."""
+        psi = 0.5 * (self._psi[1:] + self._psi[:-1])
+        along_rho = np.diff(self._psi, axis=0) / np.diff(self.faces)[:, None]
+        spectrum = np.fft.rfft(psi)
+        wave = 1j * np.arange(spectrum.shape[1])
+        wave[-1] = 0.0
+        along_phi = np.fft.irfft(wave * spectrum, len(self.phi))
+        order = 1 - np.arange(len(self.coefficients))
+        gradient = positions(order * self.coefficients / self.chord, self.rho, self.phi)
+        wing = -1j * (along_rho + 1j * along_phi) / gradient.conj()
+        return self.stream + self.chord * wing * np.exp(1j * self.pitch)
+
+    def _wing(self, points: Array) -> Complex:
+        """y + i z in the wing's axes from the pivot of points Y and Z."""
+        return (points[0] + 1j * points[1] - self.pivot) * np.exp(-1j * self.pitch)
+
+    def _located(self, points: Array) -> tuple[Array, Array]:
+        """rho of points, and their places among the rows and cells; those asked for last are remembered."""
+        if not self._last or self._last[0] is not points:
+            zeta = inverted(self.coefficients, self._wing(points), self.chord)
+            rho = np.log(np.abs(zeta))
+            row = np.interp(rho, self.rho, np.arange(len(self.rho)))
+            cell = (np.angle(zeta) % (2.0 * np.pi)) / (self.phi[1] - self.phi[0]) - 0.5
+            self._last[:] = points, rho, np.stack((row, cell + SEAM))
+        return self._last[1], self._last[2]
+
+    @staticmethod
+    def _sampled(values: Array, place: Array) -> Array:
+        """Values of the cells at places among them, by cubic splines."""
+        from scipy.ndimage import map_coordinates  # noqa: PLC0415 - slow to import, and only pictures need it
+
+        wrapped = np.concatenate((values[:, -SEAM:], values, values[:, :SEAM]), axis=1)
+        found: Array = map_coordinates(wrapped, place, order=3, mode="nearest")
+        return found
+
+
+def _outside(rho: Array, values: Array) -> Array:
+    """Values outside the section, and NaN inside."""
+    return np.where(rho < 0.0, np.nan, values)
