@@ -15,6 +15,7 @@ from taichiflap.case.case import Case, CaseError, load_case
 from taichiflap.case.shipped import FOLDER, names
 from taichiflap.errors import UserError
 from taichiflap.notation import short
+from taichiflap.scored import nearest
 
 from .. import compare
 from ..background import Background
