@@ -222,7 +222,8 @@ def _motion(case: Case) -> str:
     if time.periods is None:
         steps = f"{case.steps} steps of {case.step:.4g} s"
     else:
-        steps = f"{time.periods} beats of {case.steps_per_beat:g} steps"
+        beats = f"{time.periods} beat{'s' if time.periods > 1 else ''}"
+        steps = f"{beats} of {case.steps_per_beat:g} steps"
     if motion.measured:
         return f"{rate}{_measured(motion.measured, motion.frequency or 0.0)}, {steps}"
     plunge, pitch = _travel(motion, motion.plunge, "m"), _travel(motion, motion.pitch, "deg")
