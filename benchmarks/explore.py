@@ -114,7 +114,7 @@ def crowd(path: Path) -> tuple[list[int], list[float]]:
             asked[max(session._wishes, default=0)] = began
             time.sleep(EVERY)
 
-    ExploreSession._arrive = arrive  # type: ignore[method-assign]
+    ExploreSession._arrive = arrive
     try:
         with browsers(explorer, CLIENTS):
             time.sleep(2.0)
@@ -125,6 +125,6 @@ def crowd(path: Path) -> tuple[list[int], list[float]]:
                 one.join()
             time.sleep(1.0)
     finally:
-        ExploreSession._arrive = original  # type: ignore[method-assign]
+        ExploreSession._arrive = original
         explorer.stop()
     return [counts.get(key, 0) for key in counts], waits

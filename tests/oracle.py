@@ -49,6 +49,22 @@ class Oracle:
         self.q1 = self.v1 = np.zeros(k)
         self.setup()
 
+    def setup(self):
+        """Prepare the state of the fluid."""
+        raise NotImplementedError
+
+    def begin(self, n, rule, q_star, v_star, v0):
+        """Prepare a step, at the predicted deflection."""
+        raise NotImplementedError
+
+    def load(self, v, a):
+        """Modal forces of the fluid at modal rates and accelerations."""
+        raise NotImplementedError
+
+    def end(self, n):
+        """Advance the state of the fluid, and note the step."""
+        raise NotImplementedError
+
     def march(self, steps):
         for n in range(steps + 1):
             self.step(n)
@@ -291,7 +307,8 @@ class UvlmOracle(Oracle):
             middle = (np.arange(u.panels) + 0.5) / u.panels
             self.places = c.chord * ((1 - np.cos(np.pi * middle)) / 2 - c.pivot), self.nodes[1:]
         else:
-            self.places = tuple((1 - s) * self.nodes[:-1] + s * self.nodes[1:] for s in (0.25, 0.75))
+            quarter, three = ((1 - s) * self.nodes[:-1] + s * self.nodes[1:] for s in (0.25, 0.75))
+            self.places = quarter, three
         self.phi_vortex, self.phi_point = (self.sample(self.modes.shape, y) for y in self.places)
         self.slope_vortex, self.slope_point = (self.sample_slope(y) for y in self.places)
         self.gauss_points = [] if self.whole else list(self.spread())

@@ -65,12 +65,13 @@ def _compare(
     from ..case.case import load_case
     from ..published.scores import against, comparison, report, traces
     from ..published.scores.tiers import ScoreError
+    from ..scored.regime import Regime
 
     if case_file is None or not files:
         raise ScoreError("a case file and --against go together: taichiflap score CASE --against trace.csv")
     case = load_case(case_file, settings)
     if not named:
-        wanted = [tier for tier in wanted if tier.takes(case.reynolds)]
+        wanted = [tier for tier in wanted if tier.takes(Regime.of(case).reynolds)]
     late, read = against.read_shift(shift), [traces.read_trace(file) for file in files]
     disk.make_folder(output)
     with _bar("comparing") as told:

@@ -89,8 +89,8 @@ def _history(axes: Any, one: Published, name: str, outcomes: Any, tiers: Sequenc
         axes.plot(times, (turns @ np.array(one.waves[name])).real, color=_INK.ink, linewidth=2.5, alpha=0.35,
                   label="published, 4 harmonics")  # fmt: skip
     if one.points:
-        times, *coefficients = zip(*one.points, strict=True)
-        values = coefficients[("C_L", "C_D").index(name)]
+        points = np.array(one.points)
+        times, values = points[:, 0], points[:, ("C_L", "C_D").index(name) + 1]
         axes.plot(times, values, "o", color=_INK.ink, markersize=3, alpha=0.35, label="published")
     seen = []
     for tier, colour in zip(tiers, COLOURS, strict=False):
