@@ -15,7 +15,7 @@ from .. import camera
 from ..frames import Run
 from ..server import Server, ViewError, announce
 from .session import ExploreSession, brief
-from .worker import Worker
+from .worker import BEGUN, Worker
 
 
 class Explorer(Server):
@@ -64,8 +64,9 @@ class Explorer(Server):
         there, found = threading.Event(), []
 
         def answer(_: int, path: Path | None, reason: str, __: float) -> None:
-            found.append((path, reason))
-            there.set()
+            if reason != BEGUN:
+                found.append((path, reason))
+                there.set()
 
         place = self.worker.enlist(answer)
         self.worker.ask(place, self.case)
