@@ -310,6 +310,18 @@ def test_the_command_compares_files_and_names_the_page(tmp_path, capsys):
         command.score(None, traced, **given)
 
 
+def test_a_mean_has_its_standard_error_of_ten_beats_and_more(tmp_path):
+    at = np.arange(20) / 20
+    trace = written(tmp_path / "a.csv", "t/T,power", at, at)
+    for beats, known in ((8, False), (24, True)):
+        case = hawkmoth("solver=dbet", "wing.modes=0", f"time.periods={beats}")
+        (found,) = against.compare(case, [trace], [DBET])
+        assert math.isfinite(found.modelled["power"]["dbet"].error) == known
+    wave = against.Figures(found.phases, 2.0, 3.0, 0.5, (0.0, 0.0, 0.0), 0.05)
+    found.modelled["power"]["dbet"] = wave
+    assert "2 ± 0.05" in "\n".join(comparison.lines(found, [DBET]))
+
+
 def test_coefficients_have_the_stated_reference_or_that_of_the_case(tmp_path):
     case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
     at = np.arange(20) / 20

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...case.case import Case
 from ...march.reference import Reference, reference
 from ...metrics.beats import settled_beats
+from ...metrics.uncertainty import standard_errors
 from ...motion.stream import in_stream
 from ...results.reader import Result
 from ...run.blocks import simulate
@@ -38,6 +39,7 @@ class Figures:
         mean, peak: the peak is the largest magnitude.
         peak_time: in beats, or in s of a motion that does not repeat.
         harmonics: complex amplitudes `a` of `Re(a exp(2 pi i n t))`, from n = 1 on; none of what does not repeat.
+        error: standard error of the mean, of ten and more settled beats of a model; not-a-number otherwise.
     """
 
     values: Array
@@ -45,13 +47,14 @@ class Figures:
     peak: float
     peak_time: float
     harmonics: tuple[complex, ...]
+    error: float = math.nan
 
     @classmethod
-    def of(cls, phases: Array, values: Array, periodic: bool) -> "Figures":
+    def of(cls, phases: Array, values: Array, periodic: bool, error: float = math.nan) -> "Figures":
         """Those of values over phases of a beat, or over times."""
         top = int(np.argmax(np.abs(values)))
         waves = tuple(harmonic(phases, values, n) for n in range(1, ORDERS + 1)) if periodic else ()
-        return cls(values, float(values.mean()), float(values[top]), float(phases[top]), waves)
+        return cls(values, float(values.mean()), float(values[top]), float(phases[top]), waves, error)
 
 
 @dataclass(frozen=True)
@@ -142,14 +145,14 @@ def compare(
     for trace in traces:
         _possible(case, trace)
     series: dict[str, list[dict[str, Array]]] = {}
+    errors: dict[str, list[dict[str, float]]] = {}
     failed: dict[str, str] = {}
     times = [_times(case, trace, shift or 0.0) for trace in traces]
     for done, tier in enumerate(tiers, 1):
         with simulate(case.override(*tier.settings), threads=threads) as result:
             if result.status == "complete":
-                series[tier.name] = [
-                    _modelled(result, trace, at, scale) for trace, at in zip(traces, times, strict=True)
-                ]
+                both = [_modelled(result, trace, at, scale) for trace, at in zip(traces, times, strict=True)]
+                series[tier.name], errors[tier.name] = map(list, zip(*both, strict=True))
             else:
                 failed[tier.name] = str(result.attributes.get("reason", ""))
         if progress:
@@ -163,8 +166,8 @@ def compare(
             Comparison(
                 trace, scale, speed is not None, area is not None, late, alone, at,
                 {name: Figures.of(at, values, case.periodic) for name, values in measured.items()},
-                {name: {tier: Figures.of(at, row[name], case.periodic) for tier, row in rows.items()}
-                 for name in trace.values},
+                {name: {tier: Figures.of(at, row[name], case.periodic, errors[tier][number][name])
+                        for tier, row in rows.items()} for name in trace.values},
                 failed,
             )
         )  # fmt: skip
@@ -196,9 +199,10 @@ def _measured(case: Case, trace: Trace, quantity: str, at: Array, late: float) -
     return _folded(time - late, trace.values[quantity], at)
 
 
-def _modelled(result: Result, trace: Trace, at: Array, scale: Reference) -> dict[str, Array]:
-    """Each quantity of a trace as a model has it, in the unit of the measurement."""
+def _modelled(result: Result, trace: Trace, at: Array, scale: Reference) -> tuple[dict[str, Array], dict[str, float]]:
+    """Each quantity of a trace in a model, in the unit of the measurement, and the standard error of its mean."""
     case, found = result.case, {}
+    errors = dict.fromkeys(trace.values, math.nan)
     beats = settled_beats(result) if case.periodic else None
     if beats is not None and not beats:
         raise ScoreError(f"{trace.path}: the case has no whole beat to compare with; give more time.periods")
@@ -209,7 +213,8 @@ def _modelled(result: Result, trace: Trace, at: Array, scale: Reference) -> dict
             found[quantity] = np.interp(at, result.time, series)
         else:
             found[quantity] = _folded(result.time[beats.frames] / case.beat, series[beats.frames], at)
-    return found
+            errors[quantity] = float(standard_errors(beats.means(series[None]))[0])
+    return found, errors
 
 
 def _series(result: Result, name: str) -> Array:

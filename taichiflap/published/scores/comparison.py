@@ -59,7 +59,8 @@ def blocks(found: Sequence[Comparison], tiers: Sequence[Tier], names: Sequence[s
         page.Paragraph(
             "Harmonics are amplitude and phase, of `a cos(2 pi n t/T + phase)`. The peak is the largest magnitude; its "
             "time is in beats, or in s of a motion that does not repeat. The last column is the root mean square of "
-            "the difference over that of the measurement. Models are means over their settled beats."
+            "the difference over that of the measurement. Models are means over their settled "
+            "beats; ± is the standard error of the mean, of ten settled beats and more."
         ),
     ]
     for one, name in zip(found, names, strict=True):
@@ -90,7 +91,8 @@ def _tables(found: Comparison, tiers: Sequence[Tier]) -> dict[str, tuple[tuple[s
 
 def _cells(one: Figures, size: float) -> tuple[str, ...]:
     waves = [_wave(wave, size) for wave in one.harmonics] or ["-"] * ORDERS
-    return (_told(one.mean, size), *waves, _told(one.peak, size), f"{one.peak_time:.3f}")
+    error = f" ± {one.error:.2g}" if one.error > ROUND_OFF * size else ""
+    return (_told(one.mean, size) + error, *waves, _told(one.peak, size), f"{one.peak_time:.3f}")
 
 
 def _wave(wave: complex, size: float) -> str:
