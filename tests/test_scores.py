@@ -136,6 +136,10 @@ def test_a_quantity_that_does_not_occur_is_not_a_failure():
     broken = Row(row.published, row.truth, {"dbet": Outcome("anderson-0.3", "dbet", "", {}, 0.0, "diverged")})
     assert [table.missing(one, DBET) for one in (ran, broken)] == ["none", "failed"]
     assert table.missing(row, PAPER) == "not run"
+    assert math.isnan(verdict.mean_error([ran], "dbet"))
+    assert verdict.mean_error([broken], "dbet") == verdict.WORST
+    both = [Row(row.published, row.truth, {**row.outcomes, "dbet-paper": ran.outcomes["dbet"]})]
+    assert verdict.sentence(both, [DBET, PAPER]).endswith("inside the band. Without a value: DBET, paper.")
 
 
 def outcome(row, value, tier="dbet"):

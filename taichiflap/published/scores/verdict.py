@@ -19,7 +19,10 @@ def mean_error(rows: Sequence[Row], tier: str) -> float:
     for row in rows:
         if tier in row.outcomes:
             value = row.value(tier)
-            errors.append(WORST if value is None else min(abs(row.truth.error(value)), WORST))
+            if value is not None:
+                errors.append(min(abs(row.truth.error(value)), WORST))
+            elif row.outcomes[tier].reason:
+                errors.append(WORST)
     return sum(errors) / len(errors) if errors else math.nan
 
 
@@ -46,4 +49,7 @@ def sentence(rows: Sequence[Row], tiers: Sequence[Tier]) -> str:
     said = f"Use {' or '.join(names)}: {counts}"
     if best > NEARBY:
         said = f"No model comes within 25 % on the mean; the nearest is {' or '.join(names)}: {counts}"
-    return said + (f" (the others: {', '.join(rest)})." if rest else ".")
+    said += f" (the others: {', '.join(rest)})." if rest else "."
+    ran = {name for row in rows for name in row.outcomes}
+    lacking = [tier.label for tier in tiers if tier.name in ran and math.isnan(errors[tier.label])]
+    return said + (f" Without a value: {'; '.join(lacking)}." if lacking else "")
