@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import files
 from ..case.case import Case
 from ..drawing import palette, scene
+from ..drawing.orientation import Orientation
 from ..motion import sampling
 from ..motion.attack import angle_of_attack, speeds, tells
 from ..motion.sampling import PITCH, PLUNGE, PLUNGE_RATE, SURGE
@@ -106,10 +107,11 @@ def _draw_path(ax: Any, case: Case, moved: Array) -> None:
     chord, ahead, behind = 1e3 * wing.chord, 1e3 * wing.pivot * wing.chord, 1e3 * (1.0 - wing.pivot) * wing.chord
     shown = moved[np.linspace(0, len(moved) - 1, CHORDS + 1).astype(int)]
     shown = shown[:-1] if case.periodic else shown
-    pivot = 1e3 * np.stack((shown[:, PLUNGE], -shown[:, SURGE]), axis=1)
-    along = np.stack((np.sin(shown[:, PITCH]), -np.cos(shown[:, PITCH])), axis=1)  # leading to trailing edge
+    page = Orientation.of(case)
+    pivot = 1e3 * page.on_page(shown[:, SURGE], shown[:, PLUNGE])
+    along = page.on_page(np.cos(shown[:, PITCH]), np.sin(shown[:, PITCH]))  # leading to trailing edge
     leading, trailing = pivot - ahead * along, pivot + behind * along
-    path = 1e3 * np.stack((moved[:, PLUNGE], -moved[:, SURGE]), axis=1)
+    path = 1e3 * page.on_page(moved[:, SURGE], moved[:, PLUNGE])
     forth = shown[:, PLUNGE_RATE] > 0.0
     colours = np.where(forth, palette.LINES[1], palette.LINES[0])
     ax.plot(*path.T, color=palette.LIGHT.muted, linewidth=0.6, zorder=2)
@@ -128,8 +130,8 @@ def _draw_path(ax: Any, case: Case, moved: Array) -> None:
         ax.plot(*ends.T, ":", color=palette.LIGHT.ink, linewidth=0.8, zorder=1)
         ax.annotate("stroke plane", ends[1], (3, 0), textcoords="offset points", fontsize=7, va="center")
     corner = np.array((low[0] + 0.35 * chord, high[1]))
-    _arrow(ax, corner, np.array((0.0, -ARROW * chord)), "gravity", palette.LIGHT.ink)
-    stream = np.array((case.fluid.velocity[1], -case.fluid.velocity[0]))
+    _arrow(ax, corner, page.on_page(1.0, 0.0) * ARROW * chord, "gravity", palette.LIGHT.ink)
+    stream = page.on_page(*case.fluid.velocity)
     size = float(np.hypot(*stream))
     if size:
         foot = np.array((0.5 * (low[0] + high[0]), high[1] + 0.3 * chord))
@@ -140,7 +142,8 @@ def _draw_path(ax: Any, case: Case, moved: Array) -> None:
               title="The chord at even times, its leading edge a dot")  # fmt: skip
     ax.set(
         xlim=(low[0], high[0] + 0.9 * chord), ylim=(low[1], high[1] + 0.6 * chord), aspect="equal",
-        xlabel="Horizontal, Z (mm)", ylabel="Up, −Y (mm)",
+        xlabel="Along the stream (mm)" if size else "Horizontal, Z (mm)",
+        ylabel="Lift up (mm)" if size else "Up, −Y (mm)",
     )  # fmt: skip
 
 
