@@ -384,3 +384,13 @@ def test_traces_that_cannot_be_read(tmp_path, text, problem):
     file.write_text(text)
     with pytest.raises(ScoreError, match=problem):
         traces.read_trace(file)
+
+
+def test_a_model_that_the_case_cannot_have_is_named_and_the_others_are_compared(tmp_path):
+    at = np.arange(20) / 20
+    trace = written(tmp_path / "a.csv", "t/T,power", at, 1.0 + at)
+    sheds = next(tier for tier in TIERS if tier.name == "uvlm-sheds")
+    (found,) = against.compare(hawkmoth("time.periods=4"), [trace], [sheds, DBET])  # the paper's uniform panels
+    assert "spacing" in found.failed["uvlm-sheds"]
+    assert any("uvlm-sheds failed" in line for line in comparison.lines(found, [sheds, DBET]))
+    assert found.rms("power", "dbet") > 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...case.case import Case
+from ...case.case import Case, CaseError
 from ...march.reference import Reference, reference
 from ...metrics.beats import settled_beats
 from ...metrics.uncertainty import standard_errors
@@ -149,12 +149,15 @@ def compare(
     failed: dict[str, str] = {}
     times = [_times(case, trace, shift or 0.0) for trace in traces]
     for done, tier in enumerate(tiers, 1):
-        with simulate(case.override(*tier.settings), threads=threads) as result:
-            if result.status == "complete":
-                both = [_modelled(result, trace, at, scale) for trace, at in zip(traces, times, strict=True)]
-                series[tier.name], errors[tier.name] = map(list, zip(*both, strict=True))
-            else:
-                failed[tier.name] = str(result.attributes.get("reason", ""))
+        try:
+            with simulate(case.override(*tier.settings), threads=threads) as result:
+                if result.status == "complete":
+                    both = [_modelled(result, trace, at, scale) for trace, at in zip(traces, times, strict=True)]
+                    series[tier.name], errors[tier.name] = map(list, zip(*both, strict=True))
+                else:
+                    failed[tier.name] = str(result.attributes.get("reason", ""))
+        except CaseError as error:  # the case has settings that this model does not take
+            failed[tier.name] = "; ".join(error.problems)
         if progress:
             progress(done, len(tiers))
     found = []
