@@ -77,6 +77,7 @@ reports: .venv/.run  ## write the reports among the documentation again, from th
 	cp build/scores/known.json taichiflap/scored
 	$(BIN)/python docs/gallery.py
 	$(BIN)/python examples/frames.py docs/theory/frames.svg
+	$(BIN)/python examples/two_wakes.py docs/two_wakes.png
 
 clean:  ## remove the environment and what runs left here
 	rm -rf .venv *.egg-info build dist mutants docs/_build docs/generated .pytest_cache .ruff_cache .mypy_cache .hypothesis

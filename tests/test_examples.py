@@ -96,6 +96,17 @@ def test_three_models_agree_where_they_should(monkeypatch):
     assert np.abs(blades - lattice).max() < 0.02 * size
 
 
+def test_two_wakes_are_drawn_at_the_same_instants():
+    example = runpy.run_path(str(EXAMPLES / "two_wakes.py"))
+    case = taichiflap.load_case(example["shipped"].FOLDER / "hawkmoth_ns.toml", (*example["LATTICE"], "time.periods=2"))
+    case = case.override("time.steps_per_period=80", "wing.modes=0")
+    with taichiflap.simulate(case) as result:
+        figure = example["draw"]([result, result])
+        for row in (figure.axes[:4], figure.axes[4:]):
+            dots = [len(ax.collections[0].get_offsets()) for ax in row]
+            assert dots == [91, 111, 131, 151]  # one vortex a step, and the one at the start
+
+
 def test_the_notebook_gives_the_outputs_that_it_shows(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     cells = json.loads((EXAMPLES / "first_steps.ipynb").read_text(encoding="utf-8"))["cells"]
