@@ -20,7 +20,7 @@ from taichiflap.export import page
 from taichiflap.export.film import Film
 from taichiflap.export.formats import export
 from taichiflap.fluids.navier_stokes.field import Field
-from taichiflap.fluids.navier_stokes.grid import Grid
+from taichiflap.fluids.navier_stokes.grid import Grid, positions, slopes
 from taichiflap.fluids.navier_stokes.inverse import inverted
 from taichiflap.fluids.navier_stokes.wall_motion import WallMotion
 from taichiflap.plots.result import wing
@@ -261,3 +261,15 @@ def test_a_model_without_vorticity_has_no_grid_of_it(tmp_path):
         pytest.raises(UserError, match="stores no vorticity"),
     ):
         export(result, "nc", tmp_path / "blades.nc")
+
+
+def test_a_gust_that_covers_everything_is_a_stream():
+    node, still = np.array([0.0, 1.0]), np.zeros(2)
+    plain = WallMotion(1.1 - 0.4j - (0.2 + 0.6j), 3.0, node, still)
+    blown = WallMotion(1.1 - 0.4j, 3.0, node, still, lambda place: np.full(place.shape, 0.2 + 0.6j))
+    field = field_of()
+    place = positions(field.coefficients / CHORD, np.zeros(1), field.phi)[0]
+    slope = slopes(field.coefficients / CHORD, field.phi)
+    (tangent, psi), (also, other) = plain.on(place, slope), blown.on(place, slope)
+    np.testing.assert_allclose(also, tangent, atol=1e-12)
+    np.testing.assert_allclose(other - other[0], psi - psi[0], atol=1e-12)

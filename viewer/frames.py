@@ -78,7 +78,7 @@ class Run:
         self._model = fluids.known(self.case.solver)
         self.draws_flow = self._model is not None and self._model.draws_flow
         self.stores_vorticity = flow.stored(result)
-        self.has_streamlines = self.stores_vorticity
+        self.has_streamlines = self.stores_vorticity and self.case.fluid.gust == "none"
         self._extents: dict[str, flow.Extent] = {}
         self._load()
         self._first_seen = self.steps, time.monotonic()

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...case.case import Case
+from ...motion.gust import gust_velocity
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
 from ..interface import Array, Axis, Flow, FlowField, Model, Output, Refinement, Velocity, standard
@@ -128,7 +129,14 @@ class NavierStokes(Model):
         from .field import Field  # noqa: PLC0415 - for a picture of the flow alone
 
         found = Field.of(result, index)
-        return FlowField(found.velocity_at, found.vorticity_at, found.streamfunction_at)
+        if result.case.fluid.gust == "none":
+            return FlowField(found.velocity_at, found.vorticity_at, found.streamfunction_at)
+        time = float(result.frame("time", index))
+
+        def velocity(points: Array) -> Array:
+            return found.velocity_at(points) + gust_velocity(result.case.fluid, time, *points)
+
+        return FlowField(velocity, found.vorticity_at)
 
     def flow(self, cases: Sequence[Case], sections: Sequence[Modes], body: Any, threads: int | None) -> Flow:
         from .flow import flow  # noqa: PLC0415 - Taichi, for a run alone
