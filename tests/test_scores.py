@@ -221,7 +221,12 @@ def test_a_case_finds_itself_among_the_scored():
 def test_a_case_unlike_any_says_so():
     strange = parse_case(library.chosen(["hover"])[0].document).override("motion.plunge.amplitude=0.05", "solver=dbet")
     assert nearest.nearest(strange) == []
-    assert nearest.sentence(strange).startswith("none is near")
+    assert nearest.sentence(strange).startswith("none is near; the least far is hover (rigid): C_L mean ")
+
+
+def test_a_flexible_wing_in_hover_is_told_of_the_rigid_one():
+    assert nearest.nearest(hawkmoth("wing.modes=1")) == []
+    assert "hover (rigid)" in nearest.sentence(hawkmoth("wing.modes=1"))
 
 
 def test_what_is_known_covers_the_fast_tiers():

@@ -2,6 +2,7 @@
 
 import functools
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -61,9 +62,21 @@ def nearest(case: Case) -> list[Neighbour]:
 
 
 def sentence(case: Case) -> str:
-    """The nearest scored cases with their first errors as text, or a note that none is near."""
+    """The nearest scored cases with their first errors as text; if none is near, the least far one."""
     found = nearest(case)
-    return "; ".join(map(_told, found)) or "none is near in reduced frequency, stroke, angle of attack and stiffness"
+    return "; ".join(map(_told, found)) or f"none is near{_least_far(case)}"
+
+
+def _least_far(case: Case) -> str:
+    """The scored case in hover, or in a stream, that differs least, rigid or flexible, with its first errors."""
+    model, here = model_of(case), Regime.of(case)
+    found = []
+    for name, one in known().items():
+        regime, errors = Regime(**one["regime"]), one["errors"].get(model)
+        if errors and regime.hovers == here.hovers:
+            kind = "flexible" if regime.bends else "rigid"
+            found.append((here.difference(regime), Neighbour(f"{name} ({kind})", math.inf, errors)))
+    return f"; the least far is {_told(min(found, key=lambda pair: pair[0])[1])}" if found else ""
 
 
 def _told(one: Neighbour) -> str:

@@ -65,13 +65,16 @@ class Regime:
         )
 
     def distance(self, other: "Regime") -> float:
-        """Distance between two regimes; infinite between hover and stream, and between rigid and flexible wings.
+        """Distance between two regimes; infinite between hover and stream, and between rigid and flexible wings."""
+        alike = self.hovers == other.hovers and self.bends == other.bends
+        return self.difference(other) if alike else math.inf
 
-        A distance of 1 corresponds to a factor of e in reduced frequency or stroke, 30 deg in angle of attack, a factor
-        of ten in Reynolds number, or 0.3 in frequency ratio.
+    def difference(self, other: "Regime") -> float:
+        """How much the numbers of two regimes differ, whatever their kind.
+
+        A difference of 1 corresponds to a factor of e in reduced frequency or stroke, 30 deg in angle of attack, a
+        factor of ten in Reynolds number, or 0.3 in frequency ratio.
         """
-        if self.hovers != other.hovers or self.bends != other.bends:
-            return math.inf
         parts = [
             _logarithm(self.reduced_frequency, other.reduced_frequency),
             _logarithm(self.stroke, other.stroke),
