@@ -150,8 +150,8 @@ def _opening(checks: Sequence[Check]) -> str:
     failed = [f"{row.setting} ({row.error:.2f} {row.unit})" for check in checks for row in check.rows if not row.passed]
     return (
         f"Written by `taichiflap validate` of version {__version__}: {verdict(checks)}. Each row compares the "
-        "solver with an exact or published solution. Tolerances follow from what the scheme should reach; a row outside "
-        "its tolerance says FAIL." + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
+        "solver with an exact or published solution. Tolerances follow from what the scheme should reach; a row "
+        "outside its tolerance says FAIL." + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
     )
 
 
