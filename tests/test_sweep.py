@@ -87,7 +87,7 @@ def test_a_sample_fills_its_ranges_evenly(case, sample):
 MISTAKES = [
     (["wing.chrod=1:2:3"], {}, "wing.chrod: unknown key; did you mean wing.chord?"),
     (["wing.chord=-1:2:3"], {}, "wing.chord = -1.0: must be a number > 0"),
-    (["wing.chord=1:1:3"], {}, "an empty range"),
+    (["wing.chord=1:1:3"], {}, "the range is empty"),
     (["wing.chord=1:2:0"], {}, "0 values; give at least 2"),
     (["wing.chord=1:2"], {}, "the number of values is missing; write a:b:n, or add --sample"),
     (["wing.chord=1:2:3:4"], {}, "write a:b:n"),
@@ -97,14 +97,14 @@ MISTAKES = [
     (["wing.chord=1,1"], {}, "a value is repeated"),
     (["wing.modes=0:2:9"], {}, "fewer whole numbers than values"),
     (["wing.chord"], {}, "write KEY=a:b:n"),
-    (["wing.chord=1,2", "wing.chord=3,4"], {}, "varies already"),
-    (["wing.chord=1:2:1000000000000"], {}, "at most 10,000,000 cases"),
+    (["wing.chord=1,2", "wing.chord=3,4"], {}, "is given twice"),
+    (["wing.chord=1:2:1000000000000"], {}, "the limit is 10,000,000 cases"),
     (["wing.chord=1:2:10000", "wing.span=1:2:10000"], {}, "100,000,000 cases; the limit is"),
     (["wing.chord=1:2"], {"sample": "sobol:100"}, "power of two; use 64 or 128"),
     (["wing.chord=1:2"], {"sample": "halton:8"}, "write sobol:N or lhs:N"),
     (["wing.chord=1:2:3"], {"sample": "lhs:8"}, "give only the range"),
     (["solver=dbet,navier"], {}, 'solver = "navier": must be "uvlm" or "dbet"'),
-    ([], {}, "nothing varies"),
+    ([], {}, "no key varies"),
 ]
 
 
@@ -335,7 +335,7 @@ def test_a_map_of_another_study_is_kept(case, tmp_path):
 def test_files_that_are_no_maps_are_refused(case, tmp_path):
     (tmp_path / "text.h5").write_text("no")
     taichiflap.simulate(case, tmp_path / "result.h5").close()
-    for name, sentence in (("text.h5", "not a readable map"), ("result.h5", "not a map"), (".", "is a directory")):
+    for name, sentence in (("text.h5", "not a readable map"), ("result.h5", "is not a taichiflap map"), (".", "is a directory")):
         with pytest.raises(maps.MapError, match=sentence):
             taichiflap.sweep(case, {"wing.modes": "0,1"}, tmp_path / name)
     with pytest.raises(maps.MapError, match="no such file"):
