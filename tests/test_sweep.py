@@ -335,7 +335,11 @@ def test_a_map_of_another_study_is_kept(case, tmp_path):
 def test_files_that_are_no_maps_are_refused(case, tmp_path):
     (tmp_path / "text.h5").write_text("no")
     taichiflap.simulate(case, tmp_path / "result.h5").close()
-    for name, sentence in (("text.h5", "not a readable map"), ("result.h5", "is not a taichiflap map"), (".", "is a directory")):
+    for name, sentence in (
+        ("text.h5", "not a readable map"),
+        ("result.h5", "is not a taichiflap map"),
+        (".", "is a directory"),
+    ):
         with pytest.raises(maps.MapError, match=sentence):
             taichiflap.sweep(case, {"wing.modes": "0,1"}, tmp_path / name)
     with pytest.raises(maps.MapError, match="no such file"):
