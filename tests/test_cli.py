@@ -50,7 +50,7 @@ def test_info_prints_the_same_summary(folder):
     assert ran.returncode == 0
     assert ran.stdout == (folder / "printed").read_text()
     given = run("simulate", "hawkmoth.h5", cwd=folder).stderr
-    assert "hawkmoth.h5: a result or a map, not a case file" in given
+    assert "hawkmoth.h5: this is a result or a map, not a case file" in given
     for phrase in (
         "vertical force",
         "peak tip deflection",

@@ -115,9 +115,9 @@ def test_numbers_reach_the_model_and_unknown_ones_are_refused():
 @pytest.mark.parametrize(
     ("name", "phrases"),
     [
-        ("module:no_such_model", ["no module no_such_model", "PYTHONPATH"]),
-        ("module:json.no_such_model", ["no module json.no_such_model"]),
-        ("module:json", ["no fluid model", "MODEL", "interface"]),
+        ("module:no_such_model", ["cannot find the module no_such_model", "PYTHONPATH"]),
+        ("module:json.no_such_model", ["cannot find the module json.no_such_model"]),
+        ("module:json", ["is not a fluid model", "MODEL", "interface"]),
     ],
 )
 def test_what_is_no_model_is_refused_in_a_sentence(name, phrases, monkeypatch, tmp_path, capsys):

@@ -21,7 +21,7 @@ from taichiflap.studies.converge import converge
 from taichiflap.vortex.sum import induced_velocity
 
 ROOT = Path(__file__).parent.parent
-OWN = ("fluids", "validation", "published")
+OWN = ("fluids", "validation", "published", "scored")
 """Rooms that name a solver by right: the models, and the studies that compare certain ones."""
 TABLES = ("case/case.py", "case/solver.py", "case/messages.py")
 """Where the case file's own words for its tables stand."""

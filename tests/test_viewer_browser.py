@@ -451,7 +451,7 @@ def test_dbet_says_that_it_has_no_wake(serve, look):
     page = look(viewer.address)
     stop(page)
     assert page.evaluate(f"() => !({NODE.format('/wake')})")
-    assert "No wake" in page.locator("[data-legend]").inner_text()
+    assert "no wake" in page.locator("[data-legend]").inner_text()
     go_to(page, viewer, 330)
     load = floats(page, "/load").reshape(-1, 3, 2, 3)
     tips = load[:, 0, 1] - load[:, 0, 0]
@@ -527,10 +527,10 @@ def test_simulate_shows_a_run_while_it_computes(tmp_path, look):
                 line = running.stdout.readline()
                 assert line
             page = look(line.split()[0])
-            page.locator("[data-head]").get_by_text("being computed").wait_for()
+            page.locator("[data-head]").get_by_text("running").wait_for()
             os.kill(running.pid, signal.SIGCONT)
             page.wait_for_function(f"() => {PROPS.format('/time')}.text.includes('beat 7   t/T = 1.000')")
-            page.wait_for_function("() => !document.querySelector('[data-head]').innerText.includes('being computed')")
+            page.wait_for_function("() => !document.querySelector('[data-head]').innerText.includes('running')")
             page.wait_for_function(f"() => {CHARTS}.every(c => c.scales.x.min === 6 && {shows_all('c')})")
             with taichiflap.open_result(path) as result:
                 assert (result.status, result.frames) == ("complete", 2801)

@@ -87,7 +87,8 @@ def available(runs: list[Run], shown: list[Quantity]) -> list[Quantity]:
             continue
         one = runs[0].result.describe(name)
         if one.dimensions == ("time",):
-            most = max(float(np.nanmax(np.abs(run.series(name, 0, run.steps - 1, POINTS)[1]))) for run in runs)
+            values = (np.abs(run.series(name, 0, run.steps - 1, POINTS)[1]) for run in runs)
+            most = max(float(np.max(one, initial=0.0, where=np.isfinite(one))) for one in values)
             factor, unit = prefixed(most, one.units) if one.units in ("m", "N", "W", "Pa") else (1.0, one.units)
             others.append(Quantity(name, one.long_name[:1].upper() + one.long_name[1:], unit, factor))
     return [*shown, *others]
