@@ -194,10 +194,14 @@ class ExploreSession(Session):
             self._choose(case)
 
     def _with(self, values: dict[str, Any]) -> Case:
-        """The case with some values changed; the Navier-Stokes model needs a viscosity, whatever the case is from."""
-        if values.get("solver") == "navier_stokes" and self.case.fluid.viscosity is None:
-            values = values | {"fluid.viscosity": WATER if self.case.fluid.density > DENSE else AIR}
-        return self.case.changed(values)
+        """The case with some values changed, and with a viscosity if the model then asks for one."""
+        try:
+            return self.case.changed(values)
+        except CaseError as error:
+            if not any("fluid.viscosity" in problem for problem in error.problems):
+                raise
+        viscosity = WATER if self.case.fluid.density > DENSE else AIR
+        return self.case.changed({"fluid.viscosity": viscosity} | values)
 
     def _choose(self, case: Case) -> None:
         """Go on to a case, from which undo leads back."""
