@@ -16,6 +16,7 @@ from taichiflap.published.scores.score import Outcome, Row
 from taichiflap.published.scores.tiers import TIERS, ScoreError
 from taichiflap.published.scores.truths import NEAR, OUTSIDE, WITHIN, Truth
 from taichiflap.scored import nearest
+from taichiflap.scored.ramps import RAMPS
 from taichiflap.scored.regime import Regime
 
 DBET = next(tier for tier in TIERS if tier.name == "dbet")
@@ -399,3 +400,16 @@ def test_a_model_that_the_case_cannot_have_is_named_and_the_others_are_compared(
     assert "spacing" in found.failed["uvlm-sheds"]
     assert any("uvlm-sheds failed" in line for line in comparison.lines(found, [sheds, DBET]))
     assert found.rms("power", "dbet") > 0.0
+
+
+@pytest.mark.parametrize("angle", RAMPS)
+def test_a_published_ramp_keeps_what_its_series_resolves(angle):
+    """A coefficient that has the series itself is kept, what is faster than the series is not."""
+    ramp = RAMPS[angle]
+    for name in ("C_L", "C_D"):
+        exact = ramp.published(name, ramp.times)
+        np.testing.assert_allclose(ramp.filtered(name, ramp.times, exact), exact, atol=1e-12)
+        assert exact.mean() == pytest.approx(ramp.cosines[name][0], abs=0.06)
+        share = (ramp.times - ramp.first) / (ramp.last - ramp.first)
+        fast = ramp.filtered(name, ramp.times, exact + np.cos(np.pi * 15 * share))
+        assert np.sqrt(np.mean((fast - exact) ** 2)) < 0.2

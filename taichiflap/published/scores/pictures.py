@@ -83,15 +83,14 @@ def histories(rows: Sequence[Row], tiers: Sequence[Tier]) -> Figure | None:
 
 def _history(axes: Any, one: Published, name: str, outcomes: Any, tiers: Sequence[Tier]) -> None:
     first, last = one.truths[0].window
+    style = {"color": _INK.ink, "linewidth": 2.5, "alpha": 0.35}
     if one.waves:
         times = np.linspace(first, last, 400)
         turns = np.exp(2j * np.pi * np.outer(times, np.arange(len(one.waves[name]))))
-        axes.plot(times, (turns @ np.array(one.waves[name])).real, color=_INK.ink, linewidth=2.5, alpha=0.35,
-                  label="published, 4 harmonics")  # fmt: skip
-    if one.points:
-        points = np.array(one.points)
-        times, values = points[:, 0], points[:, ("C_L", "C_D").index(name) + 1]
-        axes.plot(times, values, "o", color=_INK.ink, markersize=3, alpha=0.35, label="published")
+        axes.plot(times, (turns @ np.array(one.waves[name])).real, label="published, 4 harmonics", **style)
+    if one.ramp:
+        times = np.linspace(one.ramp.first, one.ramp.last, 400)
+        axes.plot(times, one.ramp.published(name, times), linestyle="--", label="published, 7 cosines", **style)
     seen = []
     for tier, colour in zip(tiers, COLOURS, strict=False):
         trace = outcomes[tier.name].trace if tier.name in outcomes else {}

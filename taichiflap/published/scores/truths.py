@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...case.case import Case, parse_case
+from ...scored.ramps import Ramp
 from .measures import ANGLES
 
 WITHIN, NEAR, OUTSIDE = "inside the band", "within 25 %", "outside"
@@ -63,7 +64,7 @@ class Published:
         citation: where they come from.
         waves: mean and harmonics of the published lift and drag coefficients, of a motion that repeats:
             `C(t) = Re(sum_n a_n exp(2 pi i n t))` with t in beats.
-        points: published times, lift and drag coefficients of a motion that does not repeat.
+        ramp: published coefficients of a motion that does not repeat.
         settings: additional settings of this case for a tier, by the tier's name.
         family: settings of each run where several runs give a value together, by the parameter that they vary, such as
             the reduced speed near the onset of flutter; empty for values of one run.
@@ -79,7 +80,7 @@ class Published:
     truths: tuple[Truth, ...]
     citation: str
     waves: Mapping[str, tuple[complex, ...]] = field(default_factory=dict)
-    points: tuple[tuple[float, float, float], ...] = ()
+    ramp: Ramp | None = None
     settings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     models: tuple[str, ...] | None = None
     family: Mapping[float, tuple[str, ...]] = field(default_factory=dict)
@@ -87,7 +88,7 @@ class Published:
     @property
     def drawn(self) -> bool:
         """Whether time histories were published, so that they are drawn."""
-        return bool(self.waves or self.points)
+        return bool(self.waves or self.ramp)
 
     def case(self) -> Case:
         """The case without a tier's settings."""
