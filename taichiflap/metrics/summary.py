@@ -16,7 +16,6 @@ from ..motion.stream import in_stream
 from ..results.reader import Result
 from .beats import Beats, settled_beats
 from .similarity import Similarity
-from .uncertainty import FEWEST_BEATS as FEWEST_FOR_ERROR
 from .uncertainty import standard_errors
 
 REPEATS_WITHIN = 0.01
@@ -67,7 +66,7 @@ class Statistic:
         count = values.shape[1]
         means = values.sum(axis=1) / count
         spreads = np.sqrt(((values - means[:, None]) ** 2).sum(axis=1) / count)
-        errors = standard_errors(values).tolist() if count >= FEWEST_FOR_ERROR else [None] * len(values)
+        errors = [None if math.isnan(error) else error for error in standard_errors(values).tolist()]
         return [cls(*one) for one in zip(means.tolist(), spreads.tolist(), errors, strict=True)]
 
 

@@ -2,7 +2,6 @@
 
 import functools
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -20,10 +19,19 @@ MOST = 2
 
 @dataclass(frozen=True)
 class Neighbour:
-    """A nearby scored case, and the model's relative errors there by quantity."""
+    """A scored case beside another.
+
+    Attributes:
+        name: name of the scored case.
+        regime: its regime.
+        distance, difference: from the other case, see `Regime`.
+        errors: relative errors of the model there, by quantity.
+    """
 
     name: str
+    regime: Regime
     distance: float
+    difference: float
     errors: Mapping[str, float]
 
 
@@ -50,35 +58,33 @@ def known() -> dict[str, dict[str, Any]]:
 
 def nearest(case: Case) -> list[Neighbour]:
     """Nearest scored cases of a case's model, nearest first; empty if none is near."""
-    model = model_of(case)
-    if model is None:
-        return []
-    here, found = Regime.of(case), []
-    for name, one in known().items():
-        errors, distance = one["errors"].get(model), here.distance(Regime(**one["regime"]))
-        if errors and distance <= NEAR:
-            found.append(Neighbour(name, distance, errors))
-    return sorted(found, key=lambda neighbour: neighbour.distance)[:MOST]
+    return _near(_alike(case))
 
 
 def sentence(case: Case) -> str:
     """The nearest scored cases with their first errors as text; if none is near, the least far one."""
-    found = nearest(case)
-    return "; ".join(map(_told, found)) or f"none is near{_least_far(case)}"
+    alike = _alike(case)
+    near = _near(alike)
+    if near or not alike:
+        return "; ".join(_told(one, one.name) for one in near) or "none is near"
+    kind = "flexible" if alike[0].regime.bends else "rigid"
+    return f"none is near; the least far is {_told(alike[0], f'{alike[0].name} ({kind})')}"
 
 
-def _least_far(case: Case) -> str:
-    """The scored case in hover, or in a stream, that differs least, rigid or flexible, with its first errors."""
-    model, here = model_of(case), Regime.of(case)
-    found = []
+def _alike(case: Case) -> list[Neighbour]:
+    """Scored cases of a case's model, in hover or in a stream as the case is, those that differ least first."""
+    model, here, found = model_of(case), Regime.of(case), []
     for name, one in known().items():
         regime, errors = Regime(**one["regime"]), one["errors"].get(model)
         if errors and regime.hovers == here.hovers:
-            kind = "flexible" if regime.bends else "rigid"
-            found.append((here.difference(regime), Neighbour(f"{name} ({kind})", math.inf, errors)))
-    return f"; the least far is {_told(min(found, key=lambda pair: pair[0])[1])}" if found else ""
+            found.append(Neighbour(name, regime, here.distance(regime), here.difference(regime), errors))
+    return sorted(found, key=lambda neighbour: neighbour.difference)
 
 
-def _told(one: Neighbour) -> str:
-    errors = (f"{name} {100 * error:+.0f} %" for name, error in list(one.errors.items())[:2])
-    return f"{one.name}: {', '.join(errors)}"
+def _near(alike: list[Neighbour]) -> list[Neighbour]:
+    return [one for one in alike if one.distance <= NEAR][:MOST]
+
+
+def _told(one: Neighbour, name: str) -> str:
+    errors = (f"{quantity} {100 * error:+.0f} %" for quantity, error in list(one.errors.items())[:2])
+    return f"{name}: {', '.join(errors)}"
