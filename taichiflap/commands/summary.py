@@ -125,7 +125,7 @@ def _unrest(summary: Summary) -> str:
         )
     known = f"a standard error takes {LEAST} settled beats, these are {summary.beats}"
     if summary.beats >= LEAST:
-        known = f"their mean has a standard error of {100 * _relative_error(summary):.2g} %"
+        known = f"the mean force vector has a standard error of {100 * _relative_error(summary):.2g} %"
     return (
         f"the beats do not repeat: their mean force spreads by {100 * summary.force_spread:.2g} % of its rms; "
         f"{known}; increase time.periods"
@@ -155,8 +155,7 @@ class _Unit:
         return cls(*prefixed(max(abs(one.mean) for one in statistics), unit))
 
     def shown(self, statistic: Statistic) -> str:
-        error = f" ± {self.factor * statistic.error:.2g}" if statistic.error else ""
-        return f"{self.factor * statistic.mean:.4g}{error} {self.name}"
+        return f"{statistic.shown(self.factor)} {self.name}"
 
 
 def _coefficients(case: Case, summary: Summary) -> Iterator[str]:

@@ -60,6 +60,11 @@ class Statistic:
         error = None if self.error is None else self.error / scale
         return Statistic(self.mean / scale, self.spread / scale, error)
 
+    def shown(self, factor: float, digits: int = 4) -> str:
+        """The mean times a factor as text, with its standard error if it has one."""
+        error = f" ± {factor * self.error:.2g}" if self.error else ""
+        return f"{factor * self.mean:.{digits}g}{error}"
+
     @classmethod
     def each(cls, values: Array) -> list["Statistic"]:
         """Statistics of several metrics, each with one value per beat: shape (metrics, beats)."""

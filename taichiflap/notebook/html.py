@@ -145,8 +145,7 @@ def _numbers(result: Result) -> Iterator[tuple[str, str]]:
     ):  # fmt: skip
         if isinstance(value, Statistic):
             factor, shown_in = prefixed(abs(value.mean), unit)
-            error = f" ± {factor * value.error:.2g}" if value.error else ""
-            yield name, f"{factor * value.mean:.4g}{error} {shown_in}".replace("-", "−")
+            yield name, f"{value.shown(factor)} {shown_in}".replace("-", "−")
 
 
 def _heat_map(sheet: Map, broken: np.ndarray) -> str:

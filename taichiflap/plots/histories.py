@@ -177,7 +177,7 @@ def _mean_force(result: Result) -> str:
         return ""
     name, force = ("thrust", settled.thrust) if settled.thrust else ("vertical force", settled.force_vertical)
     factor, unit = prefixed(force.mean, "N")
-    return f": mean {name} {factor * force.mean:.3g} {unit}".replace("-", "−")
+    return f": mean {name} {force.shown(factor, 3)} {unit}".replace("-", "−")
 
 
 def _shade(ax: Any, result: Result, length: float, beats: int) -> None:
