@@ -16,6 +16,7 @@ from taichiflap.metrics import summary as metrics
 from taichiflap.metrics.beats import settled_beats, whole_beats
 from taichiflap.metrics.similarity import Similarity
 from taichiflap.metrics.uncertainty import standard_errors
+from taichiflap.metrics.unsettled import unsettled
 from taichiflap.motion import sampling
 from taichiflap.results.variables import VARIABLES
 
@@ -152,7 +153,7 @@ def test_drift_and_spread_of_few_beats():
 )
 def test_a_run_that_has_not_settled_is_warned_about(forces, words):
     summary = metrics.summarise(synthetic(hawkmoth("time.periods=12"), force_z=forces))
-    said = report._unrest(summary)
+    said = unsettled(summary)
     assert bool(said) == bool(words)
     assert words in said
 
@@ -173,7 +174,7 @@ def test_a_motion_that_does_not_repeat_is_summarised_over_the_whole_run():
     assert metrics.summarise(made).tip_peak_time == 1.0  # at its end, which is no beginning
     assert "over the whole run" in lines
     assert "t = 0.75 s" in lines
-    assert report._unrest(summary) == ""
+    assert unsettled(summary) == ""
 
 
 @pytest.mark.parametrize("every", [1, 3, 7])

@@ -398,8 +398,17 @@ def test_a_model_that_the_case_cannot_have_is_named_and_the_others_are_compared(
     sheds = next(tier for tier in TIERS if tier.name == "uvlm-sheds")
     (found,) = against.compare(hawkmoth("time.periods=4"), [trace], [sheds, DBET])  # the paper's uniform panels
     assert "spacing" in found.failed["uvlm-sheds"]
-    assert any("uvlm-sheds failed" in line for line in comparison.lines(found, [sheds, DBET]))
+    assert any(f"{sheds.label} failed" in line for line in comparison.lines(found, [sheds, DBET]))
     assert found.rms("power", "dbet") > 0.0
+
+
+def test_a_comparison_warns_of_a_mean_of_too_few_beats(tmp_path):
+    at = np.arange(20) / 20
+    trace = written(tmp_path / "a.csv", "t/T,power", at, 1.0 + at)
+    few, enough = (against.compare(hawkmoth(f"time.periods={n}"), [trace], [DBET])[0] for n in (2, 15))
+    assert f"  warning: {DBET.label}: {few.doubts['dbet']}" in comparison.lines(few, [DBET])
+    assert "too few beats" in few.doubts["dbet"]
+    assert not enough.doubts
 
 
 @pytest.mark.parametrize("angle", RAMPS)

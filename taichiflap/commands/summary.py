@@ -10,8 +10,9 @@ from ..case.case import Case
 from ..case.measured import Measured
 from ..case.motion import HarmonicPlunge, Motion
 from ..case.travel import Travel
-from ..metrics.summary import FEWEST_BEATS, Statistic, Summary, summarise
-from ..metrics.uncertainty import FEWEST_BEATS as LEAST
+from ..metrics.summary import Statistic, Summary, summarise
+from ..metrics.uncertainty import FEWEST_BEATS
+from ..metrics.unsettled import unsettled
 from ..motion import fourier
 from ..motion import measured as angles
 from ..notation import prefixed, printable
@@ -52,8 +53,8 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
     if "solve_time" in attributes:
         done = case.steps if result.status == "complete" else max(0, len(result.time) - 1)
         yield _line("solve time", f"{attributes['solve_time']:.3g} s for {done} steps")
-    if summary and _unrest(summary):
-        yield f"warning: {_unrest(summary)}"
+    if summary and unsettled(summary):
+        yield f"warning: {unsettled(summary)}"
     for warning in str(attributes["warnings"]).splitlines():
         if warning not in said:
             yield f"warning: {warning}"
@@ -76,8 +77,10 @@ def motion_line(case: Case) -> str:
 def _statistics(case: Case, summary: Summary) -> Iterator[str]:
     if case.periodic:
         beats = f"{summary.beats} beat{'s' if summary.beats > 1 else ''}"
-        error = "mean ± standard error" if summary.beats >= LEAST else f"means; a standard error takes {LEAST} beats"
-        yield f"over the last {beats} ({error}):"
+        known = "mean ± standard error"
+        if summary.beats < FEWEST_BEATS:
+            known = f"means; a standard error takes {FEWEST_BEATS} beats"
+        yield f"over the last {beats} ({known}):"
     else:
         yield "over the whole run:"
     forces = [one for one in (summary.force_vertical, summary.force_normal_peak, summary.lift, summary.thrust) if one]
@@ -110,33 +113,6 @@ def _statistics(case: Case, summary: Summary) -> Iterator[str]:
         yield _line("error of the far wake", f"{summary.wake_far_error:.2g} m/s at most, of eight vortices a step")
     if summary.wake_crossings:
         yield _line("wake-wing crossings", str(summary.wake_crossings))
-
-
-def _unrest(summary: Summary) -> str:
-    """Warning that the run is not yet periodic; empty if it is, or if the motion is not periodic."""
-    if summary.settled is not False:
-        return ""
-    if summary.beats < FEWEST_BEATS:
-        return "too few beats to tell whether the run is periodic; increase time.periods"
-    if summary.force_drift > 2.0 * summary.force_spread:
-        return (
-            f"not yet periodic: over these beats the mean force drifts by {100 * summary.force_drift:.2g} % "
-            "of its rms; increase time.periods"
-        )
-    known = f"a standard error takes {LEAST} settled beats, these are {summary.beats}"
-    if summary.beats >= LEAST:
-        known = f"the mean force vector has a standard error of {100 * _relative_error(summary):.2g} %"
-    return (
-        f"the beats do not repeat: their mean force spreads by {100 * summary.force_spread:.2g} % of its rms; "
-        f"{known}; increase time.periods"
-    )
-
-
-def _relative_error(summary: Summary) -> float:
-    """Standard error of the mean force, as a share of its size."""
-    forces = summary.force_y, summary.force_z
-    size = math.hypot(*(one.mean for one in forces))
-    return math.hypot(*(one.error or 0.0 for one in forces)) / size if size else math.inf
 
 
 def _line(label: str, text: Any) -> str:

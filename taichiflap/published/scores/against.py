@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from ...case.case import Case, CaseError
 from ...march.reference import Reference, reference
 from ...metrics.beats import settled_beats
+from ...metrics.summary import summarise
 from ...metrics.uncertainty import standard_errors
+from ...metrics.unsettled import unsettled
 from ...motion.stream import in_stream
 from ...results.reader import Result
 from ...run.blocks import simulate
@@ -70,6 +72,7 @@ class Comparison:
         phases: times compared: of a beat, or in s.
         measured: by quantity.
         modelled: by quantity and the model's name.
+        doubts: why the means of a model are not yet known to their digits, by its name; only of models with a doubt.
         failed: why a model gave nothing, by its name.
     """
 
@@ -82,6 +85,7 @@ class Comparison:
     phases: Array
     measured: Mapping[str, Figures]
     modelled: Mapping[str, Mapping[str, Figures]]
+    doubts: Mapping[str, str]
     failed: Mapping[str, str]
 
     @property
@@ -146,6 +150,7 @@ def compare(
         _possible(case, trace)
     series: dict[str, list[dict[str, Array]]] = {}
     errors: dict[str, list[dict[str, float]]] = {}
+    doubts: dict[str, str] = {}
     failed: dict[str, str] = {}
     times = [_times(case, trace, shift or 0.0) for trace in traces]
     for done, tier in enumerate(tiers, 1):
@@ -154,6 +159,9 @@ def compare(
                 if result.status == "complete":
                     both = [_modelled(result, trace, at, scale) for trace, at in zip(traces, times, strict=True)]
                     series[tier.name], errors[tier.name] = map(list, zip(*both, strict=True))
+                    summary = summarise(result)
+                    if summary and (doubt := unsettled(summary)):
+                        doubts[tier.name] = doubt
                 else:
                     failed[tier.name] = str(result.attributes.get("reason", ""))
         except CaseError as error:  # the case has settings that this model does not take
@@ -171,7 +179,7 @@ def compare(
                 {name: Figures.of(at, values, case.periodic) for name, values in measured.items()},
                 {name: {tier: Figures.of(at, row[name], case.periodic, errors[tier][number][name])
                         for tier, row in rows.items()} for name in trace.values},
-                failed,
+                doubts, failed,
             )
         )  # fmt: skip
     return found

@@ -14,10 +14,10 @@ WIDTH = 18
 
 
 def stated(found: Comparison, tiers: Sequence[Tier]) -> Iterator[str]:
-    """How trace and models were put beside each other: phase and reference."""
+    """How trace and models were put beside each other: phase and reference; models in doubt, and failures."""
     unit = "beats" if found.periodic else "s"
+    labels = {tier.name: tier.label for tier in tiers}
     if found.alone:
-        labels = {tier.name: tier.label for tier in tiers}
         alone = ", ".join(f"{labels[name]} {late:+.3f}" for name, late in found.alone.items())
         yield (
             f"phase: the trace is delayed by {found.shift:.3f} {unit}, one shift for all its quantities and models "
@@ -34,8 +34,10 @@ def stated(found: Comparison, tiers: Sequence[Tier]) -> Iterator[str]:
             f"reference: {scale.speed:.4g} m/s ({speed}), {scale.area:.4g} m2 ({area}), "
             f"density {scale.density:.4g} kg/m3"
         )
+    for name, doubt in found.doubts.items():
+        yield f"warning: {labels[name]}: {doubt}"
     for name, reason in found.failed.items():
-        yield f"{name} failed: {reason}"
+        yield f"{labels[name]} failed: {reason}"
 
 
 def lines(found: Comparison, tiers: Sequence[Tier]) -> Iterator[str]:
