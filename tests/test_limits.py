@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import hawkmoth, march
+from conftest import CASES, hawkmoth, march
 
 import taichiflap
 from taichiflap.case.case import parse_case
@@ -123,6 +123,18 @@ def test_a_stream_that_meets_the_trailing_edge_first_is_warned_of(settings, behi
 
 def test_a_stroke_that_sweeps_through_a_slow_stream_is_not_warned_of():
     assert not any("trailing edge first" in one for one in warnings(hawkmoth("fluid.velocity=[-0.05, 0.0]")))
+
+
+@pytest.mark.parametrize("solver", ["dbet", "uvlm"])
+def test_a_stroke_with_the_trailing_edge_ahead_is_warned_of(solver):
+    """A wrong sign of the measured or prescribed pitch, which no force tells."""
+    (sign,) = warnings(hawkmoth(f"solver={solver}", "motion.pitch.phase_deg=180.0"))
+    assert "the trailing edge leads during 100 % of the beat; check the sign and the phase of motion.pitch" in sign
+    assert not warnings(hawkmoth(f"solver={solver}"))
+    moth = taichiflap.load_case(CASES / "measured_moth.toml")
+    assert not warnings(moth)
+    (sign,) = warnings(moth.override("motion.measured.stroke_positive=backward"))
+    assert "stroke_positive" in sign
 
 
 def test_numbers_that_no_model_reads_are_named():

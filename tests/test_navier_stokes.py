@@ -308,7 +308,7 @@ def test_a_light_wing_is_stable_without_iteration(ratio):
 
 
 def test_messages():
-    with pytest.raises(CaseError, match=r"fluid.viscosity: missing; .* air has 1.5e-5"):
+    with pytest.raises(CaseError, match=r"fluid.viscosity: missing; .* air 1.5e-5"):
         hawkmoth("solver=navier_stokes")
     with pytest.raises(CaseError, match=r"the nearest such number is 96"):
         case("navier_stokes.cells=100")

@@ -63,7 +63,7 @@ class NavierStokes(ModelSection):
     def check(self, case: "Case") -> None:
         """Refuse a case without a viscosity, of many sections, or too thin to bend."""
         if case.fluid.viscosity is None:
-            raise needed("fluid.viscosity", "required by the Navier-Stokes model; air has 1.5e-5 m2/s, water 1e-6 m2/s")
+            raise needed("fluid.viscosity", "required by the Navier-Stokes model")
         if isinstance(case.wing.span, tuple):
             raise ValueError("wing.span is a table: the Navier-Stokes model is two-dimensional; give a number")
         if case.wing.modes and self.thickness and self.thickness < THINNEST:

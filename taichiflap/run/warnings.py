@@ -42,7 +42,7 @@ TIMES = 2048
 
 def warnings(case: Case) -> list[str]:
     """Warnings about a case, one sentence each."""
-    found = [*_of_mass(case), *_of_speed(case), *tables.warnings(case), *_of_numbers(case), *_of_stream(case)]
+    found = [*_of_mass(case), *_of_speed(case), *tables.warnings(case), *_of_numbers(case), *_of_direction(case)]
     with fluids.blamed(case.solver):
         found += fluids.load(case.solver).warnings(case)
         size = file_size(case)
@@ -119,19 +119,27 @@ def _of_numbers(case: Case) -> Iterator[str]:
         yield f'solver = "{case.solver}" uses none of the numbers {names}; they apply only to your own fluid model'
 
 
-def _of_stream(case: Case) -> Iterator[str]:
-    """Warning that the flow reaches the trailing edge first, where the model sheds its wake."""
-    model = fluids.load(case.solver)
-    if not model.sheds_behind or not case.fluid.streams:
+def _of_direction(case: Case) -> Iterator[str]:
+    """Warning that the flow reaches the trailing edge first."""
+    model, streams = fluids.load(case.solver), case.fluid.streams
+    if streams and not model.sheds_behind:
         return
     along, across = sampling.flow_to_chord(case.motion, _middle(case), case.fluid.velocity, _last_beat(case))
     speed = math.sqrt(float(np.mean(along**2 + across**2)))
-    if speed and np.mean(along) < BACKWARDS * speed:
+    if not speed or np.mean(along) >= BACKWARDS * speed:
+        return
+    if streams:
         yield (
             f"the stream, fluid.velocity = [{case.fluid.velocity[0]:g}, {case.fluid.velocity[1]:g}] m/s, reaches the "
             f"trailing edge first, where {model.name} sheds the wake; turn the stream, or the wing by "
             "motion.pitch.mean_deg"
         )
+        return
+    cure = "the sign and the phase of motion.pitch"
+    if case.motion.measured:
+        cure = "rotation_from, stroke_positive and the signs of the angles in motion.measured"
+    share = 100.0 * float(np.mean(along < 0.0))
+    yield f"the trailing edge leads during {share:.0f} % of the beat; check {cure}"
 
 
 def _of_mass(case: Case) -> Iterator[str]:

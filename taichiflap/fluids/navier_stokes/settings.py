@@ -111,12 +111,14 @@ def checked(case: Case) -> Settings:
         )
     needed = COARSEST * case.matched_step() if found.reynolds else math.inf
     if case.step > needed:
-        cure = f"time.step = {needed:.3g} s"
+        auto = case.matched_step()
+        cure = f'time.step = {needed:.3g} s or less; "auto" takes {auto:.3g} s'
         if case.time.periods is not None:
-            cure = f"time.steps_per_period = {math.ceil(case.beat / needed)}"
+            fewest, usual = math.ceil(case.beat / needed), math.ceil(case.beat / auto)
+            cure = f'time.steps_per_period = {fewest} or more; "auto" takes {usual}'
         raise ResolutionError(
             f"the step of {case.step:.3g} s is too long at a Reynolds number of {found.reynolds:.3g}: the flow would "
-            f'pass many cells in one; give {cure} or more steps, or "auto"'
+            f"pass many cells in one; give {cure}"
         )
     return found
 
