@@ -42,7 +42,7 @@ def _doing_again(part: str) -> Any:
             for _ in range(AGAIN if n > 0 else 0):
                 # For no time at all, so that nothing moves.
                 wake.convect(
-                    batch.wake, batch.flow.bound, batch.flow.size[b, PANELS], batch.flow.constant, b, n, 0.0, False
+                    batch.wake, batch.flow.panel, batch.flow.size[b, PANELS], batch.flow.scalar, b, n, 0.0, False
                 )
         if ti.static(part == "assemble"):
             for _ in range(AGAIN):

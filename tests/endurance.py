@@ -55,7 +55,7 @@ def march(*settings):
         marched.advance(case.steps // BEATS)
         held = int(view(vortices.ring)[0, wake.COUNT])
         bound = view(flow.scalar)[0, TOTAL]
-        shed = view(vortices.vortex)[0, 2, :held].sum() + view(vortices.tally)[0, wake.DROPPED]
+        shed = view(vortices.vortex)[0, 2, :held].sum() + view(vortices.scalar)[0, wake.DROPPED]
         drift, largest = max(drift, abs(shed + bound)), max(largest, abs(bound))
         if beat == BEATS // 10:
             settled = memory()

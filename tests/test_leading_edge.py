@@ -46,13 +46,13 @@ def vortices(marched):
     """Y, Z, circulation and edge of all wake vortices of a march's only case."""
     wakes = marched.groups["wake"]
     held = int(view(wakes.ring)[0, wake.COUNT])
-    return view(wakes.vortex)[0, :3, :held], view(wakes.edge)[0, :held]
+    return view(wakes.vortex)[0, :3, :held], view(wakes.origin)[0, wake.SHED_FROM, :held]
 
 
 def impulse(marched):
     """Impulse of all vortices over density and span, along Y and Z; a stream does not change its rate."""
     (y, z, gamma), _ = vortices(marched)
-    bound = view(marched.groups["flow"].bound)[0, :, : marched.cases[0].uvlm.panels]
+    bound = view(marched.groups["flow"].panel)[0, :, : marched.cases[0].uvlm.panels]
     return np.array([gamma @ z + bound[2] @ bound[1], -(gamma @ y) - bound[2] @ bound[0]])
 
 
@@ -190,7 +190,7 @@ def test_merging_keeps_circulation_and_centroid_of_each_sheet():
     largest = np.abs(merging.circulation).max()
     for which, released in enumerate((merging.trailing_edge_circulation, merging.leading_edge_circulation)):
         assert gamma[edge == which].sum() == pytest.approx(released[-1], abs=1e-12 * largest)
-    births = view(marched.groups["wake"].birth)[0, : len(edge)]
+    births = view(marched.groups["wake"].origin)[0, wake.SHED_AT, : len(edge)]
     for which in (0, 1):
         assert np.all(np.diff(births[edge == which]) > 0)
 
@@ -208,7 +208,7 @@ def test_two_sheets_go_by_all_threads_and_by_the_tree(monkeypatch):
     monkeypatch.setattr(long_wake, "FAR", 60)
     treed = hawkmoth(*settings, "uvlm.far_error=1e-6")
     by_tree, marched = march(treed)
-    error = view(marched.groups["wake"].tally)[0, wake.FAR_ERROR]
+    error = view(marched.groups["wake"].scalar)[0, wake.FAR_ERROR]
     assert 0.0 < error < 1e-6 * long_wake.typical_speed_of(treed)
     early = slice(0, 80)
     largest = np.abs(fused.force).max()

@@ -102,7 +102,7 @@ def test_a_march_by_tree_is_itself_in_any_company_and_near_the_sum_over_pairs(mo
     exact, treed = hawkmoth(*settings), hawkmoth(*settings, "uvlm.far_error=1e-4")
     pairs, _ = march(exact)
     alone, marched = march(treed)
-    error = view(marched.groups["wake"].tally)[0, wake.FAR_ERROR]
+    error = view(marched.groups["wake"].scalar)[0, wake.FAR_ERROR]
     assert 0.0 < error < 1e-4 * long_wake.typical_speed_of(treed)
     np.testing.assert_allclose(alone.force, pairs.force, atol=1e-4 * np.abs(pairs.force).max())
     assert not np.array_equal(alone.force, pairs.force)

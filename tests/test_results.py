@@ -460,7 +460,8 @@ DOCTORED = [
     ("uvlm", "state.flow.size", 10**6), ("uvlm", "state.body.q", np.nan), ("uvlm", "state.body.q", np.zeros(3)),
     ("uvlm", "state.body.q", np.array(["text"])), ("uvlm", "state.wake.vortex", np.inf),
     *(("uvlm", f"state.wake.ring:{column}", value) for column in (0, 1, 2, 3, 6) for value in (-1, 2**31 - 1)),
-    ("uvlm", "state.wake.ring:4", -7), ("uvlm", "state.wake.ring:5", -1), ("uvlm", "state.wake.birth", 10**6),
+    ("uvlm", "state.wake.ring:4", -7), ("uvlm", "state.wake.ring:5", -1),
+    ("uvlm", "state.wake.origin:0", 10**6), ("uvlm", "state.wake.origin:0", 2),  # of the step, and of the edge
     ("dbet", "state.flow.elements", 10**9), ("dbet", "state.flow.option", 7), ("dbet", "state.extra", 1.0),
 ]  # fmt: skip
 

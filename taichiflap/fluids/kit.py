@@ -1,9 +1,11 @@
 """All names that an external fluid model needs from this package."""
 
 import functools
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..case.case import Case
 from ..case.schema import Section as Table
@@ -32,13 +34,15 @@ from ..march.state import (
 from ..motion.sampling import PITCH, PITCH_ACCEL, PITCH_RATE, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE
 from ..structure.beam import Modes
 from ..structure.chordwise import Profile
+from .distributions import add_loads, record_pressure, settle_loads
 from .interface import WAKE, Axis, Flow, FlowField, Model, Output, Refinement, standard
 
 __all__ = [
     "ACCEL", "AMPLITUDE", "AXIAL", "BETA", "C0", "C1", "C2", "COSINE", "MOMENT", "NORMAL", "PITCH", "PITCH_ACCEL",
     "PITCH_RATE", "PLUNGE", "PLUNGE_ACCEL", "PLUNGE_RATE", "RATE", "SINE", "UNSTEADY", "WAKE", "Axis", "Case", "Flow",
-    "FlowField", "Model", "Modes", "Output", "Profile", "Refinement", "Table", "View", "flow_of", "key", "most_modes",
-    "pivot_heave", "pivot_velocity", "standard", "superpose", "ti",
+    "FlowField", "Model", "Modes", "Output", "Profile", "Refinement", "Table", "View", "add_loads", "flow_of", "key",
+    "most_modes", "pivot_heave", "pivot_velocity", "record_pressure", "settle_loads", "stacked", "standard",
+    "superpose", "ti",
 ]  # fmt: skip
 
 
@@ -55,6 +59,24 @@ def flow_of(prepare: Any, settle: Any, record: Any, record_step: Any = None, **a
     group = _group(kinds)
     batch = group(**{name: array(values) for name, values in arrays.items()})
     return Flow({"flow": batch}, {"flow": group}, *_unpacked(prepare, settle, record, record_step))
+
+
+def stacked(cases: Iterable[Mapping[str, ArrayLike]]) -> dict[str, np.ndarray]:
+    """The arrays of a batch, for `flow_of`, from those of each case.
+
+    Args:
+        cases: arrays of each case by name. All cases have the same names and dimensions; shorter axes are padded with
+            zeros, and no axis is empty.
+    """
+    every = list(cases)
+    made = {}
+    for name in every[0]:
+        values = [np.asarray(arrays[name]) for arrays in every]
+        longest = np.maximum(1, np.max([one.shape for one in values], axis=0))
+        made[name] = np.zeros((len(every), *longest.astype(int)), np.result_type(*values))
+        for row, one in zip(made[name], values, strict=True):
+            row[tuple(map(slice, one.shape))] = one
+    return made
 
 
 @functools.cache

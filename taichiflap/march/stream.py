@@ -21,7 +21,12 @@ NONE, SHARP_EDGED, ONE_MINUS_COSINE, SINUSOIDAL = range(4)
 
 
 def streams(cases: Sequence[Case], pieces: Sequence[int]) -> Any:
-    """Array of the streams of a batch.
+    """Taichi array of `stream_rows`."""
+    return array(stream_rows(cases, pieces))
+
+
+def stream_rows(cases: Sequence[Case], pieces: Sequence[int]) -> np.ndarray:
+    """The streams of a batch, one row per case.
 
     Args:
         pieces: number of elements along each case's chord; a sharp edge has the length of one.
@@ -36,7 +41,7 @@ def streams(cases: Sequence[Case], pieces: Sequence[int]) -> Any:
         row[[KIND, SPEED, CARRIED]] = KINDS.index(fluid.gust), fluid.gust_velocity, speed
         row[[LENGTH, EDGE, AHEAD]] = fluid.gust_length or 1.0, case.wing.chord / count, speed * fluid.gust_arrival
         row[[ALONG_Y, ALONG_Z]] = np.array(fluid.velocity) / speed
-    return array(rows)
+    return rows
 
 
 @ti.func

@@ -71,7 +71,7 @@ def balance(case: Case) -> Balance:
 def _impulse(scale: float, march: March) -> tuple[float, float, float]:
     wakes = march.groups["wake"]
     count = int(view(wakes.ring)[0, wake.COUNT])
-    bound = view(march.groups["flow"].bound)[0, :, : march.cases[0].uvlm.panels]
+    bound = view(march.groups["flow"].panel)[0, :, : march.cases[0].uvlm.panels]
     y, z, circulation = (np.append(bound[row], view(wakes.vortex)[0, row, :count]) for row in (Y, Z, CIRCULATION))
     return scale * (circulation @ z), -scale * (circulation @ y), -0.5 * scale * (circulation @ (y**2 + z**2))
 

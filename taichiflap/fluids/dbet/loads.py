@@ -14,6 +14,7 @@ from ...march.state import (
     pivot_velocity,
 )
 from ...vortex.sum import TINY
+from ..distributions import add_load, settle_amplitudes
 from . import added_mass, attached
 from .added_mass import TERMS
 from .attached import COEFFICIENTS, SEPARATED
@@ -74,8 +75,8 @@ def load_modes(body: View, flow: View, b, rule, used: View):
         if ti.static(used.extended):
             if flow.option[b, POTENTIAL] == 1:
                 for m in range(TERMS):
-                    share = 2.0 * flow.setting[b, HALF_DENSITY] * flow.shape_sine[b, j, m]
-                    add_column(body, flow.sine, b, j, m, share, modes)
+                    work = -2.0 * flow.setting[b, HALF_DENSITY] * flow.shape_sine[b, j, m]
+                    add_load(body, flow.sine, b, j, m, work, modes)
         if ti.static(used.extended):
             if flow.option[b, ATTACHED] == 1 and flow.lag[b, SEPARATED] < 1.0:
                 for block in range((flow.elements[b] + 7) // 8):
@@ -83,23 +84,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
                     flow.element[b, SCRATCH, block] = weight * flow.element[b, LIFTED, block]
                 transform(flow, flow.loads, b, flow.work, 0, COEFFICIENTS - 1)
                 for m in range(COEFFICIENTS - 1):
-                    add_column(body, flow.cosine, b, j, m, flow.work[b, 0, m], modes)
-
-
-@ti.func
-def add_column(body: View, coefficient: View, b, j, m, share, modes):
-    """Subtract a coefficient, known and per mode, times its share of mode `j` from the modal force."""
-    body.load[b, j] = body.load[b, j] - share * coefficient[b, 0, m]
-    for k in range(modes):
-        body.response[b, j, k] = body.response[b, j, k] - share * coefficient[b, k + 1, m]
-
-
-@ti.func
-def settle_coefficients(body: View, coefficient: View, b, terms, modes):
-    """Set column 0 to the coefficients at the step's acceleration."""
-    for m in range(terms):
-        for k in range(modes):
-            coefficient[b, 0, m] = coefficient[b, 0, m] + coefficient[b, k + 1, m] * body.q[b, ACCEL, k]
+                    add_load(body, flow.cosine, b, j, m, 0.0 - flow.work[b, 0, m], modes)
 
 
 @ti.func
@@ -112,10 +97,10 @@ def settle_flow(body: View, flow: View, b, used: View):
     modes = modes_of(body, b, used.modes)
     if ti.static(used.extended):
         if flow.option[b, POTENTIAL] == 1:
-            settle_coefficients(body, flow.sine, b, TERMS, modes)
+            settle_amplitudes(body, flow.sine, b, TERMS, modes)
     if ti.static(used.extended):
         if flow.option[b, ATTACHED] == 1:
-            settle_coefficients(body, flow.cosine, b, COEFFICIENTS, modes)
+            settle_amplitudes(body, flow.cosine, b, COEFFICIENTS, modes)
             attached.remember(flow, b, flow.cosine[b, 0, COEFFICIENTS - 1])
             lifting = int(flow.lag[b, SEPARATED] < 1.0)
     return lifting

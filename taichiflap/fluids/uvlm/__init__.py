@@ -60,7 +60,7 @@ class Uvlm(Model):
         count, place = int(self.entries(case, last)), size - 1
         # In the order of the columns of `wake.ring`.
         ring = (size, 0, 0, 0, 0, 0, 0), (size, count, place, place, last + 1, np.iinfo("i4").max, place)
-        return {"wake.ring": ring, "wake.birth": (0, last), "wake.edge": (0, 1)}
+        return {"wake.ring": ring, "wake.origin": (0, [[last], [1]])}  # in the order of its rows
 
     def work(self, case: Case, step: int) -> float:
         panels, vortices = case.uvlm.panels, float(self.entries(case, step))

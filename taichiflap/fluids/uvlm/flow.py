@@ -37,8 +37,8 @@ from .lattice import (
     circulation_at,
 )  # fmt: skip
 from .long_wake import LongWakes
-from .stations import ACT, AHEAD, BEHIND, NODE, absorbs, has_edge, is_listed, sheds
-from .wake import CAPACITY, COUNT, CROSSINGS, FAR_ERROR, OLDEST, YOUNGEST
+from .stations import ACT, AHEAD, BEHIND, NODE, VORTEX, absorbs, has_edge, is_listed, sheds
+from .wake import CAPACITY, COUNT, CROSSINGS, FAR_ERROR, LOST_Y, LOST_Z, OLDEST, SHED_AT, SHED_FROM, YOUNGEST
 
 
 @dataclass(frozen=True)
@@ -96,14 +96,14 @@ def load_modes(body: View, flow: View, b, rule, used: View):
             if flow.size[b, SHEDDING] == 1:
                 running, change_ahead = leading_edge.potential(flow, b, column, rule)
         for i in range(flow.size[b, PANELS]):
-            scale = -flow.constant[b, DENSITY] * flow.panel[b, SPAN, i]
+            scale = -flow.scalar[b, DENSITY] * flow.panel[b, SPAN, i]
             circulation = flow.solution[b, column, i]
             running += circulation
             change = rule[C0] * running
             if column == 0:
                 change += rule[C1] * flow.panel[b, SUM, i] + rule[C2] * flow.panel[b, SUM_BEFORE, i]
             along, _ = acting_tangent(flow, b, i)
-            steady = flow.air[b, TANGENTIAL, i] * circulation * along
+            steady = flow.panel[b, TANGENTIAL, i] * circulation * along
             for j in range(modes):
                 share = steady * flow.shape[b, j, ACT, i]
                 share += change_ahead * flow.shape[b, j, AHEAD, i] + change * flow.shape[b, j, BEHIND, i]
@@ -113,7 +113,7 @@ def load_modes(body: View, flow: View, b, rule, used: View):
                     body.response[b, j, column - 1] = body.response[b, j, column - 1] + rule[BETA] * scale * share
             change_ahead = change
     if ti.static(used.suction):
-        if flow.constant[b, FACTOR] > 0.0:
+        if flow.scalar[b, FACTOR] > 0.0:
             _, normal = tangential.suction_force(body, flow, b)
             for j in range(modes):
                 body.load[b, j] = body.load[b, j] + flow.shape[b, j, NODE, 0] * normal
@@ -122,11 +122,11 @@ def load_modes(body: View, flow: View, b, rule, used: View):
 @ti.func
 def acting_tangent(flow: View, b, i):
     """Unit tangent at the point where a panel's steady force acts."""
-    along = flow.vortex[b, ALONG, i]
-    across = flow.vortex[b, ACROSS, i]
+    along = flow.at[b, VORTEX, ALONG, i]
+    across = flow.at[b, VORTEX, ACROSS, i]
     if flow.size[b, WHOLE] == 1:
-        along = (flow.node[b, Y, i + 1] - flow.node[b, Y, i]) / flow.panel[b, LENGTH, i]
-        across = (flow.node[b, Z, i + 1] - flow.node[b, Z, i]) / flow.panel[b, LENGTH, i]
+        along = (flow.at[b, NODE, Y, i + 1] - flow.at[b, NODE, Y, i]) / flow.panel[b, LENGTH, i]
+        across = (flow.at[b, NODE, Z, i + 1] - flow.at[b, NODE, Z, i]) / flow.panel[b, LENGTH, i]
     return along, across
 
 
@@ -135,9 +135,9 @@ def along_chord(body: View, flow: View, b, bound, used: View):
     """Normal and axial force and moment of leading-edge suction and friction."""
     normal, axial, moment = 0.0, 0.0, 0.0
     if ti.static(used.suction):
-        if flow.constant[b, FACTOR] > 0.0:
+        if flow.scalar[b, FACTOR] > 0.0:
             axial, normal = tangential.suction_force(body, flow, b)
-            moment = flow.node[b, Y, 0] * normal - flow.node[b, Z, 0] * axial
+            moment = flow.at[b, NODE, Y, 0] * normal - flow.at[b, NODE, Z, 0] * axial
     if ti.static(used.friction):
         rubs, turns = tangential.friction(flow, b, bound)
         axial += rubs
@@ -164,21 +164,22 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
         if flow.size[b, SHEDDING] == 1:
             running, change_ahead, new = leading_edge.settle(body, flow, wakes, b, rule)
     for i in range(flow.size[b, PANELS]):
-        scale = -flow.constant[b, DENSITY] * flow.panel[b, SPAN, i]
+        scale = -flow.scalar[b, DENSITY] * flow.panel[b, SPAN, i]
         circulation = circulation_at(body, flow, body.q, b, i)
         running += circulation
         bound += circulation
         change = rule[C0] * running + rule[C1] * flow.panel[b, SUM, i] + rule[C2] * flow.panel[b, SUM_BEFORE, i]
         flow.panel[b, SUM_BEFORE, i] = flow.panel[b, SUM, i]
         flow.panel[b, SUM, i] = running
-        flow.bound[b, CIRCULATION, i] = circulation
-        y_0, z_0, y_1, z_1 = flow.node[b, Y, i], flow.node[b, Z, i], flow.node[b, Y, i + 1], flow.node[b, Z, i + 1]
-        y_step, z_step = flow.vortex[b, Y, i], flow.vortex[b, Z, i]
+        flow.panel[b, CIRCULATION, i] = circulation
+        y_0, z_0 = flow.at[b, NODE, Y, i], flow.at[b, NODE, Z, i]
+        y_1, z_1 = flow.at[b, NODE, Y, i + 1], flow.at[b, NODE, Z, i + 1]
+        y_step, z_step = flow.at[b, VORTEX, Y, i], flow.at[b, VORTEX, Z, i]
         y_act, z_act = y_step, z_step
         if flow.size[b, WHOLE] == 1:
             y_step, z_step = y_0, z_0
             y_act, z_act = between(y_0, y_1, 0.5), between(z_0, z_1, 0.5)
-        steady = scale * flow.air[b, TANGENTIAL, i] * circulation
+        steady = scale * flow.panel[b, TANGENTIAL, i] * circulation
         along, across = acting_tangent(flow, b, i)
         unsteady = scale * (change_ahead * (y_step - y_0) + change * (y_1 - y_step))
         normal = steady * along + unsteady
@@ -208,18 +209,8 @@ def prepare(batch: View, b, n, rule, used: View):
     panels = batch.flow.size[b, PANELS]
     if n > 0:
         dt = batch.body.dt[b]
-        wake.convect(
-            batch.wake,
-            batch.flow.bound,
-            panels,
-            batch.flow.constant,
-            batch.flow.stream,
-            b,
-            n,
-            dt,
-            used.single_precision,
-        )
-    carry_gust(batch.flow.stream, b, n * batch.body.dt[b])
+        wake.convect(batch.wake, batch.flow.panel, panels, batch.flow.scalar, b, n, dt, used.single_precision)
+    carry_gust(batch.flow.scalar, b, n * batch.body.dt[b])
     lattice.place_panels(batch.body, batch.flow, b, n)
     lattice.reflect_crossings(batch.body, batch.flow, batch.wake, b, n)
     lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used)
@@ -238,13 +229,13 @@ def prepare(batch: View, b, n, rule, used: View):
     if batch.flow.size[b, WHOLE] == 1:
         tangential.past_points(batch.body, batch.flow, b, n)
     if ti.static(used.suction or used.loads_at_vortices):
-        if batch.flow.size[b, WHOLE] == 0 or batch.flow.constant[b, FACTOR] > 0.0:
+        if batch.flow.size[b, WHOLE] == 0 or batch.flow.scalar[b, FACTOR] > 0.0:
             tangential.expect_circulation(batch.body, batch.flow, batch.wake, b)
     if ti.static(used.loads_at_vortices):
         if batch.flow.size[b, WHOLE] == 0:
             tangential.past_vortices(batch.body, batch.flow, batch.wake, b, n)
     if ti.static(used.suction):
-        if batch.flow.constant[b, FACTOR] > 0.0:
+        if batch.flow.scalar[b, FACTOR] > 0.0:
             tangential.leading_edge_suction(batch.body, batch.flow, batch.wake, b, n)
     load_modes(batch.body, batch.flow, b, rule, used)
 
@@ -263,8 +254,8 @@ BOUND, CROSSED, LOST, FAR, SUCTION_VELOCITY, FROM_LEADING, FROM_TRAILING, EDGE_S
 def record_step(batch: View, b, row):
     batch.output.series[b, row, BOUND] = batch.flow.scalar[b, TOTAL]
     batch.output.series[b, row, CROSSED] = ti.cast(batch.wake.ring[b, CROSSINGS], ti.f64)
-    batch.output.series[b, row, LOST] = ti.sqrt(batch.wake.tally[b, Y] ** 2 + batch.wake.tally[b, Z] ** 2)
-    batch.output.series[b, row, FAR] = batch.wake.tally[b, FAR_ERROR]
+    batch.output.series[b, row, LOST] = ti.sqrt(batch.wake.scalar[b, LOST_Y] ** 2 + batch.wake.scalar[b, LOST_Z] ** 2)
+    batch.output.series[b, row, FAR] = batch.wake.scalar[b, FAR_ERROR]
     batch.output.series[b, row, SUCTION_VELOCITY] = batch.flow.scalar[b, SPEED]
     batch.output.series[b, row, FROM_LEADING] = batch.flow.scalar[b, RELEASED]
     batch.output.series[b, row, FROM_TRAILING] = -batch.flow.scalar[b, TOTAL] - batch.flow.scalar[b, RELEASED]
@@ -274,7 +265,7 @@ def record_step(batch: View, b, row):
 @ti.func
 def record(batch: View, b, frame):
     for i in range(batch.flow.size[b, PANELS]):
-        batch.output.panel_circulation[b, frame, i] = ti.cast(batch.flow.bound[b, CIRCULATION, i], ti.f32)
+        batch.output.panel_circulation[b, frame, i] = ti.cast(batch.flow.panel[b, CIRCULATION, i], ti.f32)
         batch.output.pressure_jump[b, frame, i] = ti.cast(batch.flow.panel[b, PRESSURE, i], ti.f32)
     batch.output.wake_count[b, frame] = batch.wake.ring[b, COUNT]
     for m in range(batch.wake.ring[b, COUNT]):
@@ -282,5 +273,5 @@ def record(batch: View, b, frame):
         batch.output.wake_y[b, frame, m] = ti.cast(batch.wake.vortex[b, Y, place], ti.f32)
         batch.output.wake_z[b, frame, m] = ti.cast(batch.wake.vortex[b, Z, place], ti.f32)
         batch.output.wake_circulation[b, frame, m] = ti.cast(batch.wake.vortex[b, CIRCULATION, place], ti.f32)
-        batch.output.wake_birth[b, frame, m] = batch.wake.birth[b, place]
-        batch.output.wake_edge[b, frame, m] = batch.wake.edge[b, place]
+        batch.output.wake_birth[b, frame, m] = batch.wake.origin[b, SHED_AT, place]
+        batch.output.wake_edge[b, frame, m] = batch.wake.origin[b, SHED_FROM, place]

@@ -16,7 +16,7 @@ from ...kernels import linear
 from ...kernels.arrays import array, zeros
 from ...kernels.runtime import Floats2, Floats3, Floats4, Ints2, Octet, Octets2, Octets3, View, ti
 from ...march.state import AMPLITUDE, COSINE, RATE, SINE, most_modes, pivot_velocity
-from ...march.stream import KIND, gust_at, streams
+from ...march.stream import FRONT, KIND, gust_at, stream_rows
 from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
@@ -24,36 +24,40 @@ from ...vortex.sum import CORE2, TINY, Y, Z, induce, normal_velocity, octet, sto
 from . import merging, wake
 from . import stations as spacing
 from .stations import NODE, POINT, POINT_SLOPE, TABLES, VORTEX, VORTEX_SLOPE
-from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, HEIGHT, REFLECTS, TRAILING, YOUNGEST
+from .wake import ALONG_PATH, COUNT, CROSSINGS, DISTANCE, HEIGHT, REFLECTS, TRAILING, VELOCITY, YOUNGEST
 
 ALONG, ACROSS = 2, 3
-"""Rows of `vortex` and `point`, after the position: unit tangent t of the camber line; its normal is (-t_z, t_y)."""
+"""Rows of `at` after Y and Z, of the tables VORTEX and POINT: unit tangent t of the camber line; its normal is
+(-t_z, t_y).
+"""
+RISE = 2
+"""The same of the table NODE: rate of the deflection without modal acceleration, m/s."""
 PANELS, WHOLE, SHEDDING = range(3)
 """Columns of `size`: number of panels; 1 if the pressure is uniform over panels (`loads = "panels"`); 1 if the leading
 edge may shed.
 """
-STREAM_Y, STREAM_Z, DENSITY, FACTOR, EDGE_FACTOR, SUCTION_LIMIT, FRICTION = range(7)
-"""Columns of `constant`: free stream, m/s; density, kg/m3; suction over the square of the through-flow at the leading
-edge, N s2/m2 (`stations.suction_factor`; 0: none); `stations.edge_factor`; limit of the suction velocity, m/s; friction
-of a side per area and speed to the power 1.5 (0: none).
+DENSITY, FACTOR, EDGE_FACTOR, SUCTION_LIMIT, FRICTION = range(FRONT + 1, FRONT + 6)
+"""Columns of `scalar` after those of `taichiflap.march.stream`, constants: density, kg/m3; suction over the square of
+the through-flow at the leading edge, N s2/m2 (`stations.suction_factor`; 0: none); `stations.edge_factor`; limit of the
+suction velocity, m/s; friction of a side per area and speed to the power 1.5 (0: none).
 """
 (TOTAL, SUCTION, SPEED, SHEDS, RELEASED, RELEASED_BEFORE, WAKE_Y, WAKE_Z, NEW_Y, NEW_Z, LEADING_Y,
- LEADING_Z) = range(12)  # fmt: skip
-"""Columns of `scalar`: bound circulation one step earlier, m2/s; predicted suction, N; suction velocity at the leading
-edge, m/s, see `leading_edge`; 1 while that edge sheds; circulation that it has shed, now and one step earlier, m2/s;
-velocity of the wake there, along Y and Z, m/s; positions of the step's new vortices from the trailing and the leading
-edge, in wing axes, m.
-"""
-LENGTH, SPAN, PRESSURE, SUM, SUM_BEFORE = range(5)
-"""Rows of `panel`: length and mean span, m; force per area along e_z, Pa; running sum of circulation, one and two steps
-earlier, m2/s.
+ LEADING_Z) = range(FRONT + 6, FRONT + 18)  # fmt: skip
+"""Last columns of `scalar`, the state: bound circulation one step earlier, m2/s; predicted suction, N; suction velocity
+at the leading edge, m/s, see `leading_edge`; 1 while that edge sheds; circulation that it has shed, now and one step
+earlier, m2/s; velocity of the wake there, along Y and Z, m/s; positions of the step's new vortices from the trailing
+and the leading edge, in wing axes, m.
 """
 CONTROL = 4
-"""First row of the control points in `bound`, after the vortices with their circulation and core."""
-WAKE, TANGENTIAL, NEW, NEW_LEADING = 0, 2, 4, 6
-"""First rows of `air`, velocities at the control points, m/s: of the wake, in wing axes; tangential velocity of the
+"""Rows of `panel`: the bound vortices in Y, Z, as in `taichiflap.vortex`; and from here on the control points there."""
+LENGTH, SPAN, PRESSURE, SUM, SUM_BEFORE = range(6, 11)
+"""Next rows: length and mean span, m; force per area along e_z, Pa; running sum of circulation, one and two steps
+earlier, m2/s.
+"""
+WAKE, TANGENTIAL, NEW, NEW_LEADING = 11, 13, 15, 17
+"""First of two rows each, velocities at the control points, m/s: of the wake, in wing axes; tangential velocity of the
 fluid, predicted (the second row is scratch); of a new vortex of unit circulation at the trailing edge, and of one at
-the leading edge.
+the leading edge (only in a batch that sheds there).
 """
 BASE, STRENGTH = range(2)
 """Rows of `edge`, one value per column of the solution: A without the leading edge's new vortex, and the strength of
@@ -61,17 +65,11 @@ that vortex.
 """
 
 Lattice = ti.types.argpack(
-    size=Ints2,  # settings and state, one row per case: see the names of their columns
-    constant=Floats2,
+    size=Ints2,  # (case, column), and the next two: see the names of the columns and rows
     scalar=Floats2,
-    stream=Floats2,  # free stream and gust, see taichiflap.march.stream
-    panel=Floats3,  # see the names of its rows
+    panel=Floats3,  # (case, row, panel)
+    at=Floats4,  # (case, NODE, VORTEX or POINT, row, node or panel): positions in wing axes, m
     shape=Floats4,  # (case, mode, table, node or panel), see taichiflap.fluids.uvlm.stations
-    node=Floats3,  # nodes in wing axes, and the rate of their deflection without acceleration
-    vortex=Floats3,  # bound vortices and control points in wing axes, with the tangents there ...
-    point=Floats3,
-    bound=Floats3,  # ... and in Y, Z, the vortices with their circulation
-    air=Floats3,  # see the names of its rows
     matrix=Octets3,  # also the right-hand sides before the solution
     solution=Floats3,  # (case, 1 + modes, panel): circulation without acceleration, and for a unit rate of each mode;
     # followed by that of a unit vortex at the leading edge
@@ -85,33 +83,29 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     count = len(cases)
     most = 8 * linear.octets(max(case.uvlm.panels for case in cases))
     modes = most_modes(sections)
-    node, vortex, point = np.zeros((count, 3, most + 1)), np.zeros((count, 4, most)), np.zeros((count, 4, most))
-    shape = np.zeros((count, modes, TABLES, most + 1))
-    size, constant, panel = np.zeros((count, 3), dtype=int), np.zeros((count, 7)), np.zeros((count, 5, most))
     sheds = [case.uvlm.leading_edge == "sheds" for case in cases]
+    size, scalar = np.zeros((count, 3), dtype=int), np.zeros((count, LEADING_Z + 1))
+    panel = np.zeros((count, NEW_LEADING + 2 * any(sheds), most))
+    place, shape = np.zeros((count, 3, 4, most + 1)), np.zeros((count, modes, TABLES, most + 1))
+    scalar[:, :DENSITY] = stream_rows(cases, [case.uvlm.panels for case in cases])
     columns = modes + 1 + any(sheds)
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
         at, panels = spacing.stations(case), case.uvlm.panels
-        node[b, Y, : panels + 1], vortex[b, Y, :panels], point[b, Y, :panels] = at.node, at.vortex, at.point
+        place[b, NODE, Y, : panels + 1] = at.node
+        place[b, [VORTEX, POINT], Y, :panels] = at.vortex, at.point
         shape[b, : section.count, :, : panels + 1] = spacing.tables(case, section.shape, section.slope)
         panel[b, SPAN, :panels] = Profile.of(case.wing.span).means(at.node / case.wing.chord + case.wing.pivot)
         size[b] = panels, case.uvlm.loads == "panels", sheds[b]
         factor = spacing.suction_factor(case) if case.uvlm.suction or sheds[b] else 0.0
         limit = case.uvlm.suction_limit * case.reference_speed if sheds[b] else 0.0
         of_edge = factor, spacing.edge_factor(case), limit, spacing.friction_factor(case)
-        constant[b] = *case.fluid.velocity, case.fluid.density, *of_edge
+        scalar[b, DENSITY : FRICTION + 1] = case.fluid.density, *of_edge
     return Lattice(
         size=array(size),
-        constant=array(constant),
-        scalar=zeros(ti.f64, count, 12),
+        scalar=array(scalar),
         panel=array(panel),
-        stream=streams(cases, [case.uvlm.panels for case in cases]),
+        at=array(place),
         shape=array(shape),
-        node=array(node),
-        vortex=array(vortex),
-        point=array(point),
-        bound=zeros(ti.f64, count, 6, most),
-        air=zeros(ti.f64, count, NEW_LEADING + 2 * any(sheds), most),
         matrix=zeros(Octet, count, most, most // 8 + linear.octets(columns)),
         solution=zeros(ti.f64, count, columns, most),
         edge=zeros(ti.f64, count, 2, columns),
@@ -141,29 +135,29 @@ def place_panels(body: View, flow: View, b, n):
     sine = body.motion[b, n, SINE]
     o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
     for i in range(flow.size[b, PANELS] + 1):
-        flow.node[b, Z, i] = deflect(flow, body.q_predicted, b, AMPLITUDE, NODE, i, modes)
-        flow.node[b, 2, i] = deflect(flow, body.q_free, b, RATE, NODE, i, modes)
+        flow.at[b, NODE, Z, i] = deflect(flow, body.q_predicted, b, AMPLITUDE, NODE, i, modes)
+        flow.at[b, NODE, RISE, i] = deflect(flow, body.q_free, b, RATE, NODE, i, modes)
     for i in range(flow.size[b, PANELS]):
-        dy = flow.node[b, Y, i + 1] - flow.node[b, Y, i]
-        dz = flow.node[b, Z, i + 1] - flow.node[b, Z, i]
+        dy = flow.at[b, NODE, Y, i + 1] - flow.at[b, NODE, Y, i]
+        dz = flow.at[b, NODE, Z, i + 1] - flow.at[b, NODE, Z, i]
         flow.panel[b, LENGTH, i] = ti.sqrt(dy * dy + dz * dz)
-        put(flow.vortex, deflect(flow, body.q_predicted, b, AMPLITUDE, VORTEX, i, modes),
+        put(flow, VORTEX, deflect(flow, body.q_predicted, b, AMPLITUDE, VORTEX, i, modes),
             deflect(flow, body.q_predicted, b, AMPLITUDE, VORTEX_SLOPE, i, modes), b, i)  # fmt: skip
-        put(flow.point, deflect(flow, body.q_predicted, b, AMPLITUDE, POINT, i, modes),
+        put(flow, POINT, deflect(flow, body.q_predicted, b, AMPLITUDE, POINT, i, modes),
             deflect(flow, body.q_predicted, b, AMPLITUDE, POINT_SLOPE, i, modes), b, i)  # fmt: skip
-        flow.bound[b, Y, i] = o_y + cosine * flow.vortex[b, Y, i] - sine * flow.vortex[b, Z, i]
-        flow.bound[b, Z, i] = o_z + sine * flow.vortex[b, Y, i] + cosine * flow.vortex[b, Z, i]
-        flow.bound[b, CONTROL + Y, i] = o_y + cosine * flow.point[b, Y, i] - sine * flow.point[b, Z, i]
-        flow.bound[b, CONTROL + Z, i] = o_z + sine * flow.point[b, Y, i] + cosine * flow.point[b, Z, i]
+        flow.panel[b, Y, i] = o_y + cosine * flow.at[b, VORTEX, Y, i] - sine * flow.at[b, VORTEX, Z, i]
+        flow.panel[b, Z, i] = o_z + sine * flow.at[b, VORTEX, Y, i] + cosine * flow.at[b, VORTEX, Z, i]
+        flow.panel[b, CONTROL + Y, i] = o_y + cosine * flow.at[b, POINT, Y, i] - sine * flow.at[b, POINT, Z, i]
+        flow.panel[b, CONTROL + Z, i] = o_z + sine * flow.at[b, POINT, Y, i] + cosine * flow.at[b, POINT, Z, i]
 
 
 @ti.func
-def put(stations: View, deflection, slope, b, i):
+def put(flow: View, table, deflection, slope, b, i):
     """Deflection of a vortex or a point, and the tangent of the camber line there."""
     stretch = 1.0 / ti.sqrt(1.0 + slope * slope)
-    stations[b, Z, i] = deflection
-    stations[b, ALONG, i] = stretch
-    stations[b, ACROSS, i] = slope * stretch
+    flow.at[b, table, Z, i] = deflection
+    flow.at[b, table, ALONG, i] = stretch
+    flow.at[b, table, ACROSS, i] = slope * stretch
 
 
 @ti.func
@@ -180,19 +174,19 @@ def reflect_crossings(body: View, flow: View, wakes: View, b, n):
         d_y, d_z = wakes.vortex[b, Y, m] - o_y, wakes.vortex[b, Z, m] - o_z
         y = cosine * d_y + sine * d_z
         gap = 0.0
-        if flow.node[b, Y, 0] < y < flow.node[b, Y, last]:
+        if flow.at[b, NODE, Y, 0] < y < flow.at[b, NODE, Y, last]:
             low, high = 0, last
             while high - low > 1:
                 half = (low + high) // 2
-                if flow.node[b, Y, half] <= y:
+                if flow.at[b, NODE, Y, half] <= y:
                     low = half
                 else:
                     high = half
-            share = (y - flow.node[b, Y, low]) / (flow.node[b, Y, high] - flow.node[b, Y, low])
-            gap = cosine * d_z - sine * d_y - between(flow.node[b, Z, low], flow.node[b, Z, high], share)
+            share = (y - flow.at[b, NODE, Y, low]) / (flow.at[b, NODE, Y, high] - flow.at[b, NODE, Y, low])
+            gap = cosine * d_z - sine * d_y - between(flow.at[b, NODE, Z, low], flow.at[b, NODE, Z, high], share)
         if gap * wakes.vortex[b, HEIGHT, m] < 0.0:
             wakes.ring[b, CROSSINGS] = wakes.ring[b, CROSSINGS] + 1
-            if wakes.setting[b, REFLECTS] > 0.0:
+            if wakes.scalar[b, REFLECTS] > 0.0:
                 wakes.vortex[b, Y, m] = wakes.vortex[b, Y, m] + 2.0 * gap * sine
                 wakes.vortex[b, Z, m] = wakes.vortex[b, Z, m] - 2.0 * gap * cosine
                 gap = -gap
@@ -202,11 +196,11 @@ def reflect_crossings(body: View, flow: View, wakes: View, b, n):
 @ti.func
 def velocity_past(body: View, flow: View, b, n, i):
     """Velocity (m/s) of the stream relative to node `i`, without modal acceleration, along e_y and e_z."""
-    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
+    p_y, p_z = pivot_velocity(body, flow.scalar, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
     return (
-        theta_rate * flow.node[b, Z, i] - p_y,
-        -p_z - theta_rate * flow.node[b, Y, i] - flow.node[b, 2, i],
+        theta_rate * flow.at[b, NODE, Z, i] - p_y,
+        -p_z - theta_rate * flow.at[b, NODE, Y, i] - flow.at[b, NODE, RISE, i],
     )
 
 
@@ -220,33 +214,33 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
     edge = flow.size[b, PANELS]
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    t_y = flow.point[b, ALONG, edge - 1]
-    t_z = flow.point[b, ACROSS, edge - 1]
-    along = wakes.setting[b, DISTANCE]
+    t_y = flow.at[b, POINT, ALONG, edge - 1]
+    t_z = flow.at[b, POINT, ACROSS, edge - 1]
+    along = wakes.scalar[b, DISTANCE]
     across = 0.0
-    if wakes.setting[b, ALONG_PATH] > 0.0:
+    if wakes.scalar[b, ALONG_PATH] > 0.0:
         u_y, u_z = velocity_past(body, flow, b, n, edge)
         if n > 0:
             youngest = wakes.ring[b, YOUNGEST]
-            w_y = wakes.velocity[b, Y, youngest] - flow.constant[b, Y]
-            w_z = wakes.velocity[b, Z, youngest] - flow.constant[b, Z]
+            w_y = wakes.vortex[b, VELOCITY + Y, youngest] - flow.scalar[b, Y]
+            w_z = wakes.vortex[b, VELOCITY + Z, youngest] - flow.scalar[b, Z]
             u_y += cosine * w_y + sine * w_z
             u_z += cosine * w_z - sine * w_y
-        share = wakes.setting[b, ALONG_PATH] * body.dt[b]
+        share = wakes.scalar[b, ALONG_PATH] * body.dt[b]
         along = ti.max(share * (u_y * t_y + u_z * t_z), along)
         across = share * (u_z * t_y - u_y * t_z)
-    y = flow.node[b, Y, edge] + along * t_y - across * t_z
-    z = flow.node[b, Z, edge] + along * t_z + across * t_y
+    y = flow.at[b, NODE, Y, edge] + along * t_y - across * t_z
+    z = flow.at[b, NODE, Z, edge] + along * t_z + across * t_y
     o_y, o_z = body.motion[b, n, SURGE], body.motion[b, n, PLUNGE]
     middle = flow.size[b, PANELS] // 2
-    merging.make_room(wakes, b, n, flow.bound[b, Y, middle], flow.bound[b, Z, middle], used)
+    merging.make_room(wakes, b, n, flow.panel[b, Y, middle], flow.panel[b, Z, middle], used)
     wake.shed(wakes, b, n, TRAILING, o_y + cosine * y - sine * z, o_z + sine * y + cosine * z)
     flow.scalar[b, NEW_Y] = y
     flow.scalar[b, NEW_Z] = z
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     for i in range(flow.size[b, PANELS]):
-        flow.air[b, NEW + Y, i], flow.air[b, NEW + Z, i] = vortex_velocity(
-            1.0, flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2
+        flow.panel[b, NEW + Y, i], flow.panel[b, NEW + Z, i] = vortex_velocity(
+            1.0, flow.at[b, POINT, Y, i] - y, flow.at[b, POINT, Z, i] - z, core2
         )
 
 
@@ -256,21 +250,27 @@ def wake_at_panels(body: View, flow: View, wakes: View, b, n):
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
-        y = octet(flow.bound, b, CONTROL + Y, 8 * block)
-        z = octet(flow.bound, b, CONTROL + Z, 8 * block)
+        y = octet(flow.panel, b, CONTROL + Y, 8 * block)
+        z = octet(flow.panel, b, CONTROL + Z, 8 * block)
         u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
-        store_octet(flow.air, b, WAKE + Y, 8 * block, cosine * u_y + sine * u_z)
-        store_octet(flow.air, b, WAKE + Z, 8 * block, cosine * u_z - sine * u_y)
-    if flow.stream[b, KIND] > 0.0:
+        store_octet(flow.panel, b, WAKE + Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.panel, b, WAKE + Z, 8 * block, cosine * u_z - sine * u_y)
+    if flow.scalar[b, KIND] > 0.0:
         last = flow.size[b, PANELS] - 1
         for i in range(last + 1):
             # A sharp gust edge is averaged over the cell between two vortices.
-            cell = 2.0 * (flow.point[b, Y, i] - flow.vortex[b, Y, i])
+            cell = 2.0 * (flow.at[b, POINT, Y, i] - flow.at[b, VORTEX, Y, i])
             if i < last:
-                cell = flow.vortex[b, Y, i + 1] - flow.vortex[b, Y, i]
-            g_y, g_z = gust_at(flow.stream, b, flow.bound[b, CONTROL + Y, i], flow.bound[b, CONTROL + Z, i], cell)
-            flow.air[b, WAKE + Y, i] = flow.air[b, WAKE + Y, i] + cosine * g_y + sine * g_z
-            flow.air[b, WAKE + Z, i] = flow.air[b, WAKE + Z, i] + cosine * g_z - sine * g_y
+                cell = flow.at[b, VORTEX, Y, i + 1] - flow.at[b, VORTEX, Y, i]
+            g_y, g_z = gust_at(flow.scalar, b, flow.panel[b, CONTROL + Y, i], flow.panel[b, CONTROL + Z, i], cell)
+            flow.panel[b, WAKE + Y, i] = flow.panel[b, WAKE + Y, i] + cosine * g_y + sine * g_z
+            flow.panel[b, WAKE + Z, i] = flow.panel[b, WAKE + Z, i] + cosine * g_z - sine * g_y
+
+
+@ti.func
+def vortices(flow: View, b, axis, first):
+    """A row of eight bound vortices in wing axes."""
+    return Octet([flow.at[b, VORTEX, axis, first + lane] for lane in ti.static(range(8))])
 
 
 @ti.func
@@ -282,17 +282,17 @@ def assemble(body: View, flow: View, b, n):
     """
     modes = body.modes[b]
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
+    p_y, p_z = pivot_velocity(body, flow.scalar, b, n)
     for i in range(flow.size[b, PANELS]):
-        t_y = flow.point[b, ALONG, i]
-        t_z = flow.point[b, ACROSS, i]
-        new = flow.air[b, NEW + Z, i] * t_y - flow.air[b, NEW + Y, i] * t_z
+        t_y = flow.at[b, POINT, ALONG, i]
+        t_z = flow.at[b, POINT, ACROSS, i]
+        new = flow.panel[b, NEW + Z, i] * t_y - flow.panel[b, NEW + Y, i] * t_z
         for block in range((flow.size[b, PANELS] + 7) // 8):
-            dy = flow.point[b, Y, i] - octet(flow.vortex, b, Y, 8 * block)
-            dz = flow.point[b, Z, i] - octet(flow.vortex, b, Z, 8 * block)
+            dy = flow.at[b, POINT, Y, i] - vortices(flow, b, Y, 8 * block)
+            dz = flow.at[b, POINT, Z, i] - vortices(flow, b, Z, 8 * block)
             flow.matrix[b, i, block] = normal_velocity(1.0, dy, dz, t_y, t_z) - new
-        u_y = p_y - theta_rate * flow.point[b, Z, i] - flow.air[b, WAKE + Y, i]
-        u_z = p_z + theta_rate * flow.point[b, Y, i] - flow.air[b, WAKE + Z, i]
+        u_y = p_y - theta_rate * flow.at[b, POINT, Z, i] - flow.panel[b, WAKE + Y, i]
+        u_z = p_z + theta_rate * flow.at[b, POINT, Y, i] - flow.panel[b, WAKE + Z, i]
         u_z += deflect(flow, body.q_free, b, RATE, POINT, i, modes)
         flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.scalar[b, TOTAL]
         for k in range(modes):

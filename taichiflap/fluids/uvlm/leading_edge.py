@@ -40,8 +40,8 @@ from .lattice import (
     deflect,
     velocity_past,
 )  # fmt: skip
-from .stations import EDGE_SLOPE, NODE
-from .wake import ALONG_PATH, COUNT, DISTANCE, LEADING, YOUNGEST, YOUNGEST_LEADING
+from .stations import EDGE_SLOPE, NODE, POINT, VORTEX
+from .wake import ALONG_PATH, COUNT, DISTANCE, LEADING, VELOCITY, YOUNGEST, YOUNGEST_LEADING
 
 
 @ti.func
@@ -66,22 +66,22 @@ def place(body: View, flow: View, wakes: View, b, n):
     w_y, w_z = flow.scalar[b, WAKE_Y], flow.scalar[b, WAKE_Z]
     if flow.scalar[b, SHEDS] > 0.0:
         youngest = wakes.ring[b, YOUNGEST_LEADING]
-        w_y = wakes.velocity[b, Y, youngest] - flow.constant[b, Y]
-        w_z = wakes.velocity[b, Z, youngest] - flow.constant[b, Z]
+        w_y = wakes.vortex[b, VELOCITY + Y, youngest] - flow.scalar[b, Y]
+        w_z = wakes.vortex[b, VELOCITY + Z, youngest] - flow.scalar[b, Z]
     u_y += cosine * w_y + sine * w_z
     u_z += cosine * w_z - sine * w_y
-    share = wakes.setting[b, ALONG_PATH] * body.dt[b]
-    along = ti.min(share * (u_y * t_y + u_z * t_z), -wakes.setting[b, DISTANCE])
+    share = wakes.scalar[b, ALONG_PATH] * body.dt[b]
+    along = ti.min(share * (u_y * t_y + u_z * t_z), -wakes.scalar[b, DISTANCE])
     across = share * (u_z * t_y - u_y * t_z)
-    y = flow.node[b, Y, 0] + along * t_y - across * t_z
-    z = flow.node[b, Z, 0] + along * t_z + across * t_y
+    y = flow.at[b, NODE, Y, 0] + along * t_y - across * t_z
+    z = flow.at[b, NODE, Z, 0] + along * t_z + across * t_y
     flow.scalar[b, LEADING_Y] = y
     flow.scalar[b, LEADING_Z] = z
     core2 = wake.core2_at_birth(wakes, b)
     for i in range(flow.size[b, PANELS]):
-        u_y, u_z = vortex_velocity(1.0, flow.point[b, Y, i] - y, flow.point[b, Z, i] - z, core2)
-        flow.air[b, NEW_LEADING + Y, i] = u_y
-        flow.air[b, NEW_LEADING + Z, i] = u_z
+        u_y, u_z = vortex_velocity(1.0, flow.at[b, POINT, Y, i] - y, flow.at[b, POINT, Z, i] - z, core2)
+        flow.panel[b, NEW_LEADING + Y, i] = u_y
+        flow.panel[b, NEW_LEADING + Z, i] = u_z
 
 
 @ti.func
@@ -89,7 +89,7 @@ def wake_at_edge(body: View, flow: View, wakes: View, b, n):
     """Velocity of the wake at the leading edge, along Y and Z."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
+    y, z = flow.at[b, NODE, Y, 0], flow.at[b, NODE, Z, 0]
     at_y = body.motion[b, n, SURGE] + cosine * y - sine * z
     at_z = body.motion[b, n, PLUNGE] + sine * y + cosine * z
     u_y, u_z = induce(Octet(at_y), Octet(at_z), TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
@@ -101,9 +101,9 @@ def wake_at_edge(body: View, flow: View, wakes: View, b, n):
 def assemble(body: View, flow: View, b):
     """Right-hand side of a unit vortex at the leading edge; the trailing edge's vortex compensates it (Kelvin)."""
     for i in range(flow.size[b, PANELS]):
-        u_y = flow.air[b, NEW + Y, i] - flow.air[b, NEW_LEADING + Y, i]
-        u_z = flow.air[b, NEW + Z, i] - flow.air[b, NEW_LEADING + Z, i]
-        flow.solution[b, body.modes[b] + 1, i] = u_z * flow.point[b, ALONG, i] - u_y * flow.point[b, ACROSS, i]
+        u_y = flow.panel[b, NEW + Y, i] - flow.panel[b, NEW_LEADING + Y, i]
+        u_z = flow.panel[b, NEW + Z, i] - flow.panel[b, NEW_LEADING + Z, i]
+        flow.solution[b, body.modes[b] + 1, i] = u_z * flow.at[b, POINT, ALONG, i] - u_y * flow.at[b, POINT, ACROSS, i]
 
 
 @ti.func
@@ -113,8 +113,8 @@ def measure(body: View, flow: View, wakes: View, b, n):
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     t_y, t_z, stretch = tangent(body, flow, b)
-    scale = ti.sqrt(stretch) / flow.constant[b, EDGE_FACTOR]
-    y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
+    scale = ti.sqrt(stretch) / flow.scalar[b, EDGE_FACTOR]
+    y, z = flow.at[b, NODE, Y, 0], flow.at[b, NODE, Z, 0]
     core2 = wakes.vortex[b, CORE2, wakes.ring[b, YOUNGEST]]
     u_y, u_z = vortex_velocity(1.0, y - flow.scalar[b, NEW_Y], z - flow.scalar[b, NEW_Z], core2)
     new = u_z * t_y - u_y * t_z
@@ -125,7 +125,7 @@ def measure(body: View, flow: View, wakes: View, b, n):
         through = 0.0
         bound = 0.0
         for i in range(flow.size[b, PANELS]):
-            dy, dz = y - flow.vortex[b, Y, i], z - flow.vortex[b, Z, i]
+            dy, dz = y - flow.at[b, VORTEX, Y, i], z - flow.at[b, VORTEX, Z, i]
             circulation = flow.solution[b, column, i]
             through += normal_velocity(circulation, dy, dz, t_y, t_z)
             bound += circulation
@@ -167,7 +167,7 @@ def shed(body: View, flow: View, wakes: View, b, n):
     The decision uses the predicted modal rates, the strength the actual ones.
     """
     modes = body.modes[b]
-    limit = flow.constant[b, SUCTION_LIMIT]
+    limit = flow.scalar[b, SUCTION_LIMIT]
     expected = at_rates(body, flow, body.q_predicted, b, BASE)
     flow.scalar[b, SHEDS] = 0.0
     if ti.abs(expected) > limit or limit == 0.0:

@@ -20,7 +20,7 @@ from ...vortex.multipole import Tree, expand, induce_by_tree, octet_at
 from ...vortex.sum import CORE2, TINY, Y, Z, induce
 from .lattice import PANELS
 from .stations import ring_size, shed_a_step
-from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, Wake, carry, carry_single, narrow
+from .wake import CARRIED, COUNT, FAR_ERROR, SINGLE, VELOCITY, Wake, carry, carry_single, narrow
 
 WIDE = 3000
 """Minimum number of vortices for which one case's sums use all threads, since they then cost more than two kernel
@@ -65,8 +65,8 @@ class LongWakes:
         blocks = octets(int(counts.max()))
         flow = self._flow
         if self._single:
-            _narrow_all(self._wakes, self._ready, flow.bound, flow.size)
-        _carry_all(self._wakes, self._tree, self._ready, flow.bound, flow.size, flow.constant, n, blocks, self._lanes)
+            _narrow_all(self._wakes, self._ready, flow.panel, flow.size)
+        _carry_all(self._wakes, self._tree, self._ready, flow.panel, flow.size, flow.scalar, n, blocks, self._lanes)
 
     def _room(self) -> int:
         return max([ring_size(case) for case in self._cases if case.uvlm.far_error], default=0)
@@ -102,7 +102,7 @@ def _expand_all(tree: Tree, leaves: ti.i32, cases: ti.i32, lanes: ti.i32):
 def _narrow_all(wakes: Wake, ready: Ints1, bound: Floats3, size: Ints2):
     ti.loop_config(serialize=True)
     for b in range(ready.shape[0]):
-        if ready[b] == 1 and wakes.setting[b, SINGLE] > 0.0:
+        if ready[b] == 1 and wakes.scalar[b, SINGLE] > 0.0:
             narrow(wakes, bound, size[b, PANELS], b)
 
 
@@ -125,7 +125,7 @@ def _carry_all(
                 b = (lane + m * lanes) // blocks
                 block = (lane + m * lanes) % blocks
                 if ready[b] == 1 and 8 * block < wakes.ring[b, COUNT]:
-                    if wakes.setting[b, SINGLE] > 0.0:
+                    if wakes.scalar[b, SINGLE] > 0.0:
                         if block % 2 == 0:
                             carry_single(wakes, size[b, PANELS], stream, b, 8 * block)
                     elif tree.count[b] == 0:
@@ -152,8 +152,8 @@ def carry_by_tree(wakes: View, tree: View, bound: View, panels, stream: View, b,
     for lane in ti.static(range(8)):
         if first + lane < count:
             place = tree.order[b, first + lane]
-            wakes.velocity[b, Y, place] = u_y[lane]
-            wakes.velocity[b, Z, place] = u_z[lane]
+            wakes.vortex[b, VELOCITY + Y, place] = u_y[lane]
+            wakes.vortex[b, VELOCITY + Z, place] = u_z[lane]
 
 
 @ti.func
@@ -166,4 +166,4 @@ def compare(wakes: View, tree: View, b, first):
     t_y, t_z = induce_by_tree(y, z, core2, tree, b)
     p_y, p_z = induce(y, z, core2, tree.source, b, 0, count)
     error2 = (t_y - p_y) * (t_y - p_y) + (t_z - p_z) * (t_z - p_z)
-    wakes.tally[b, FAR_ERROR] = ti.max(wakes.tally[b, FAR_ERROR], ti.sqrt(error2.max()))
+    wakes.scalar[b, FAR_ERROR] = ti.max(wakes.scalar[b, FAR_ERROR], ti.sqrt(error2.max()))

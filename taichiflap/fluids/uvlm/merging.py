@@ -19,18 +19,23 @@ from ...vortex.sum import CIRCULATION, CORE2, INV_2PI, TINY, Y, Z, vortex_veloci
 from .wake import (
     ABSORB_BEYOND,
     ABSORBS,
-    BEFORE,
     CAPACITY,
     COUNT,
     DECAY,
     DROPPED,
     HEIGHT,
     LEADING,
+    LOST_Y,
+    LOST_Z,
     MERGE_BEYOND,
     MERGES,
     OLDEST,
+    ROWS,
     SHED_A_STEP,
+    SHED_AT,
+    SHED_FROM,
     TRAILING,
+    VELOCITY,
     move,
 )  # fmt: skip
 
@@ -52,11 +57,11 @@ def place_of(wake: View, b, order):
 @ti.func
 def neighbour(wake: View, b, order, towards):
     """Order of the next vortex from the same edge in the direction `towards`, -1 or 1; -1 if none."""
-    edge = wake.edge[b, place_of(wake, b, order)]
+    edge = wake.origin[b, SHED_FROM, place_of(wake, b, order)]
     found = -1
     other = order + towards
     while found < 0 and 0 <= other < wake.ring[b, COUNT]:
-        if wake.edge[b, place_of(wake, b, other)] == edge:
+        if wake.origin[b, SHED_FROM, place_of(wake, b, other)] == edge:
             found = other
         other += towards
     return found
@@ -127,7 +132,7 @@ def choose(wake: View, b, y, z):
                 # After merging, neighbours may be far apart, and one may be near the wing.
                 r2 = ti.min(r2, distance2(wake, b, a, y, z), distance2(wake, b, c, y, z))
             cost = ti.sqrt((q_y * q_y + q_z * q_z) / r2) / r2
-            if r2 < wake.setting[b, ABSORB_BEYOND] ** 2:
+            if r2 < wake.scalar[b, ABSORB_BEYOND] ** 2:
                 cost += 0.5 * FAR
             if possible and cost < least:
                 chosen, least = order, cost
@@ -145,19 +150,19 @@ def make_room(wake: View, b, n, y, z, used: View):
     if ti.static(used.listing):
         listed = is_list(wake, b)
         if listed:
-            if n % MERGE_EVERY == 0 and wake.setting[b, MERGES] > 0.0:
+            if n % MERGE_EVERY == 0 and wake.scalar[b, MERGES] > 0.0:
                 merge(wake, b, n, y, z)
-            shortens = wake.ring[b, COUNT] + ti.cast(wake.setting[b, SHED_A_STEP], ti.i32) > wake.ring[b, CAPACITY]
+            shortens = wake.ring[b, COUNT] + ti.cast(wake.scalar[b, SHED_A_STEP], ti.i32) > wake.ring[b, CAPACITY]
             if shortens:
-                wake.tally[b, Y] = wake.setting[b, DECAY] * wake.tally[b, Y]
-                wake.tally[b, Z] = wake.setting[b, DECAY] * wake.tally[b, Z]
-            while wake.ring[b, COUNT] + ti.cast(wake.setting[b, SHED_A_STEP], ti.i32) > wake.ring[b, CAPACITY]:
+                wake.scalar[b, LOST_Y] = wake.scalar[b, DECAY] * wake.scalar[b, LOST_Y]
+                wake.scalar[b, LOST_Z] = wake.scalar[b, DECAY] * wake.scalar[b, LOST_Z]
+            while wake.ring[b, COUNT] + ti.cast(wake.scalar[b, SHED_A_STEP], ti.i32) > wake.ring[b, CAPACITY]:
                 shorten(wake, b, y, z, used)
     if not listed and wake.ring[b, COUNT] == wake.ring[b, CAPACITY]:
         lost_y, lost_z = loss_of_oldest(wake, b, y, z)
         if ti.static(used.absorbing):
             order = -1
-            if wake.setting[b, ABSORBS] > 0.0:
+            if wake.scalar[b, ABSORBS] > 0.0:
                 order = choose(wake, b, y, z)
             if order >= 0:
                 lost_y, lost_z = loss_of_merger(wake, b, order, y, z)
@@ -165,14 +170,14 @@ def make_room(wake: View, b, n, y, z, used: View):
                 for m in range(order):
                     move(wake, b, place_of(wake, b, order - m - 1), place_of(wake, b, order - m))
                 wake.vortex[b, CIRCULATION, place_of(wake, b, 0)] = 0.0
-        wake.tally[b, Y] = wake.setting[b, DECAY] * wake.tally[b, Y] + lost_y
-        wake.tally[b, Z] = wake.setting[b, DECAY] * wake.tally[b, Z] + lost_z
+        wake.scalar[b, LOST_Y] = wake.scalar[b, DECAY] * wake.scalar[b, LOST_Y] + lost_y
+        wake.scalar[b, LOST_Z] = wake.scalar[b, DECAY] * wake.scalar[b, LOST_Z] + lost_z
 
 
 @ti.func
 def is_list(wake: View, b):
     """Whether a wake is a list instead of a ring."""
-    return wake.setting[b, SHED_A_STEP] > 1.0 or wake.setting[b, MERGES] > 0.0
+    return wake.scalar[b, SHED_A_STEP] > 1.0 or wake.scalar[b, MERGES] > 0.0
 
 
 @ti.func
@@ -182,15 +187,15 @@ def shorten(wake: View, b, y, z, used: View):
     lost_y, lost_z = loss_of_oldest(wake, b, y, z)
     dropped = wake.vortex[b, CIRCULATION, 0]
     if ti.static(used.shortening):
-        if wake.setting[b, ABSORBS] > 0.0:
+        if wake.scalar[b, ABSORBS] > 0.0:
             chosen = choose(wake, b, y, z)
             if chosen >= 0:
                 lost_y, lost_z = loss_of_merger(wake, b, chosen, y, z)
                 absorb(wake, b, chosen)
                 order, dropped = chosen, 0.0
-    wake.tally[b, DROPPED] = wake.tally[b, DROPPED] + dropped
-    wake.tally[b, Y] = wake.tally[b, Y] + lost_y
-    wake.tally[b, Z] = wake.tally[b, Z] + lost_z
+    wake.scalar[b, DROPPED] = wake.scalar[b, DROPPED] + dropped
+    wake.scalar[b, LOST_Y] = wake.scalar[b, LOST_Y] + lost_y
+    wake.scalar[b, LOST_Z] = wake.scalar[b, LOST_Z] + lost_z
     for m in range(order + 1, wake.ring[b, COUNT]):
         move(wake, b, m, m - 1)
     wake.ring[b, COUNT] = wake.ring[b, COUNT] - 1
@@ -205,13 +210,13 @@ def merge(wake: View, b, n, y, z):
     kept = 0
     last = ti.Vector([-1, -1])  # index of the last vortex kept from each edge, unless it has just been merged
     for i in range(wake.ring[b, COUNT]):
-        edge = wake.edge[b, i]
+        edge = wake.origin[b, SHED_FROM, i]
         other = last[TRAILING]
         if edge == LEADING:
             other = last[LEADING]
         merges = False
-        if other >= 0 and wake.birth[b, i] < n - YOUNG:
-            merges = merging_costs(wake, b, i, other, y, z) < wake.setting[b, MERGES]
+        if other >= 0 and wake.origin[b, SHED_AT, i] < n - YOUNG:
+            merges = merging_costs(wake, b, i, other, y, z) < wake.scalar[b, MERGES]
         if merges:
             blend(wake, b, i, other)
             other = -1
@@ -233,7 +238,7 @@ def merging_costs(wake: View, b, i, a, y, z):
     gamma_i, gamma_a = wake.vortex[b, CIRCULATION, i], wake.vortex[b, CIRCULATION, a]
     nearest2 = ti.min(distance2(wake, b, i, y, z), distance2(wake, b, a, y, z))
     cost = FAR
-    if gamma_i * gamma_a > 0.0 and nearest2 > wake.setting[b, MERGE_BEYOND] ** 2:
+    if gamma_i * gamma_a > 0.0 and nearest2 > wake.scalar[b, MERGE_BEYOND] ** 2:
         d2 = distance2(wake, b, i, wake.vortex[b, Y, a], wake.vortex[b, Z, a])
         reduced = ti.abs(gamma_i * gamma_a / (gamma_i + gamma_a))
         cost = INV_2PI * reduced * d2 / (nearest2 * ti.sqrt(nearest2))
@@ -247,8 +252,8 @@ def blend(wake: View, b, i, a):
     share = wake.vortex[b, CIRCULATION, i] / gamma
     for axis in range(2):
         wake.vortex[b, axis, a] = share * wake.vortex[b, axis, i] + (1.0 - share) * wake.vortex[b, axis, a]
-    for row in range(BEFORE + 2):
-        wake.velocity[b, row, a] = share * wake.velocity[b, row, i] + (1.0 - share) * wake.velocity[b, row, a]
+    for row in range(VELOCITY, ROWS):
+        wake.vortex[b, row, a] = share * wake.vortex[b, row, i] + (1.0 - share) * wake.vortex[b, row, a]
     wake.vortex[b, CIRCULATION, a] = gamma
     wake.vortex[b, CORE2, a] = ti.max(wake.vortex[b, CORE2, i], wake.vortex[b, CORE2, a])
     wake.vortex[b, HEIGHT, a] = 0.0

@@ -50,20 +50,20 @@ def past_points(body: View, flow: View, b, n):
     As in the paper, V includes the stream and the wake but not the bound vortices of a bent wing.
     """
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
+    p_y, p_z = pivot_velocity(body, flow.scalar, b, n)
     new = new_circulation(body, flow, b)
     for i in range(flow.size[b, PANELS]):
-        u_y = flow.air[b, WAKE + Y, i] + new * flow.air[b, NEW + Y, i] - p_y + theta_rate * flow.point[b, Z, i]
-        u_z = flow.air[b, WAKE + Z, i] + new * flow.air[b, NEW + Z, i] - p_z - theta_rate * flow.point[b, Y, i]
+        u_y = flow.panel[b, WAKE + Y, i] + new * flow.panel[b, NEW + Y, i] - p_y + theta_rate * flow.at[b, POINT, Z, i]
+        u_z = flow.panel[b, WAKE + Z, i] + new * flow.panel[b, NEW + Z, i] - p_z - theta_rate * flow.at[b, POINT, Y, i]
         u_z -= deflect(flow, body.q_predicted, b, RATE, POINT, i, body.modes[b])
-        flow.air[b, TANGENTIAL, i] = u_y * flow.point[b, ALONG, i] + u_z * flow.point[b, ACROSS, i]
+        flow.panel[b, TANGENTIAL, i] = u_y * flow.at[b, POINT, ALONG, i] + u_z * flow.at[b, POINT, ACROSS, i]
 
 
 @ti.func
 def expect_circulation(body: View, flow: View, wakes: View, b):
     """Set the circulation of the bound and the new vortices at the predicted modal rates."""
     for i in range(flow.size[b, PANELS]):
-        flow.bound[b, CIRCULATION, i] = circulation_at(body, flow, body.q_predicted, b, i)
+        flow.panel[b, CIRCULATION, i] = circulation_at(body, flow, body.q_predicted, b, i)
     wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST]] = new_circulation(body, flow, b)
     if flow.scalar[b, SHEDS] > 0.0:
         wakes.vortex[b, CIRCULATION, wakes.ring[b, YOUNGEST_LEADING]] = released_at(body, flow, body.q_predicted, b)
@@ -73,8 +73,8 @@ def expect_circulation(body: View, flow: View, wakes: View, b):
 def induced(flow: View, wakes: View, y, z, b):
     """Velocity at eight points (Y, Z) from the wake, a gust, and all bound vortices except one at the point itself."""
     w_y, w_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
-    b_y, b_z = induce(y, z, TINY, flow.bound, b, 0, flow.size[b, PANELS])
-    g_y, g_z = gust_at_octet(flow.stream, b, y, z)
+    b_y, b_z = induce(y, z, TINY, flow.panel, b, 0, flow.size[b, PANELS])
+    g_y, g_z = gust_at_octet(flow.scalar, b, y, z)
     return w_y + b_y + g_y, w_z + b_z + g_z
 
 
@@ -86,22 +86,22 @@ def past_vortices(body: View, flow: View, wakes: View, b, n):
     on itself, with the curvature kappa.
     """
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
+    p_y, p_z = pivot_velocity(body, flow.scalar, b, n)
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
-        u_y, u_z = induced(flow, wakes, octet(flow.bound, b, Y, 8 * block), octet(flow.bound, b, Z, 8 * block), b)
-        store_octet(flow.air, b, TANGENTIAL + Y, 8 * block, cosine * u_y + sine * u_z)
-        store_octet(flow.air, b, TANGENTIAL + Z, 8 * block, cosine * u_z - sine * u_y)
+        u_y, u_z = induced(flow, wakes, octet(flow.panel, b, Y, 8 * block), octet(flow.panel, b, Z, 8 * block), b)
+        store_octet(flow.panel, b, TANGENTIAL + Y, 8 * block, cosine * u_y + sine * u_z)
+        store_octet(flow.panel, b, TANGENTIAL + Z, 8 * block, cosine * u_z - sine * u_y)
     for i in range(flow.size[b, PANELS]):
-        t_y = flow.vortex[b, ALONG, i]
-        t_z = flow.vortex[b, ACROSS, i]
-        u_y = flow.air[b, TANGENTIAL + Y, i] - p_y + theta_rate * flow.vortex[b, Z, i]
-        u_z = flow.air[b, TANGENTIAL + Z, i] - p_z - theta_rate * flow.vortex[b, Y, i]
+        t_y = flow.at[b, VORTEX, ALONG, i]
+        t_z = flow.at[b, VORTEX, ACROSS, i]
+        u_y = flow.panel[b, TANGENTIAL + Y, i] - p_y + theta_rate * flow.at[b, VORTEX, Z, i]
+        u_z = flow.panel[b, TANGENTIAL + Z, i] - p_z - theta_rate * flow.at[b, VORTEX, Y, i]
         u_z -= deflect(flow, body.q_predicted, b, RATE, VORTEX, i, body.modes[b])
-        turn = t_y * flow.point[b, ACROSS, i] - t_z * flow.point[b, ALONG, i]
-        bend = turn * t_y / (flow.point[b, Y, i] - flow.vortex[b, Y, i])
-        flow.air[b, TANGENTIAL, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.bound[b, CIRCULATION, i]
+        turn = t_y * flow.at[b, POINT, ACROSS, i] - t_z * flow.at[b, POINT, ALONG, i]
+        bend = turn * t_y / (flow.at[b, POINT, Y, i] - flow.at[b, VORTEX, Y, i])
+        flow.panel[b, TANGENTIAL, i] = u_y * t_y + u_z * t_z + 0.5 * INV_2PI * bend * flow.panel[b, CIRCULATION, i]
 
 
 @ti.func
@@ -118,16 +118,16 @@ def friction(flow: View, b, bound):
     arc, along = 0.0, 0.0
     for i in range(flow.size[b, PANELS]):
         arc += flow.panel[b, LENGTH, i]
-        along += flow.panel[b, LENGTH, i] * flow.air[b, TANGENTIAL, i]
+        along += flow.panel[b, LENGTH, i] * flow.panel[b, TANGENTIAL, i]
     stress = 0.0
     for side in ti.static((-0.5, 0.5)):
         speed = (along + side * bound) / arc
-        stress += flow.constant[b, FRICTION] * ti.sqrt(ti.abs(speed)) * speed
+        stress += flow.scalar[b, FRICTION] * ti.sqrt(ti.abs(speed)) * speed
     force, moment = 0.0, 0.0
     for i in range(flow.size[b, PANELS]):
         share = stress * flow.panel[b, SPAN, i] * flow.panel[b, LENGTH, i]
         force += share
-        moment -= share * flow.vortex[b, Z, i]
+        moment -= share * flow.at[b, VORTEX, Z, i]
     return force, moment
 
 
@@ -141,10 +141,10 @@ def leading_edge_suction(body: View, flow: View, wakes: View, b, n):
     slope = deflect(flow, body.q_predicted, b, AMPLITUDE, EDGE_SLOPE, 0, body.modes[b])
     stretch = ti.sqrt(1.0 + slope * slope)
     theta_rate = body.motion[b, n, PITCH_RATE]
-    p_y, p_z = pivot_velocity(body, flow.constant, b, n)
+    p_y, p_z = pivot_velocity(body, flow.scalar, b, n)
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
-    y, z = flow.node[b, Y, 0], flow.node[b, Z, 0]
+    y, z = flow.at[b, NODE, Y, 0], flow.at[b, NODE, Z, 0]
     edge_y = body.motion[b, n, SURGE] + cosine * y - sine * z
     edge_z = body.motion[b, n, PLUNGE] + sine * y + cosine * z
     v_y, v_z = induced(flow, wakes, Octet(edge_y), Octet(edge_z), b)
@@ -154,11 +154,11 @@ def leading_edge_suction(body: View, flow: View, wakes: View, b, n):
     through = (u_z - slope * u_y) / stretch
     if flow.scalar[b, SHEDS] > 0.0:
         # Set exactly to the limit, which the shed vortex enforces.
-        at_limit = flow.constant[b, EDGE_FACTOR] * flow.constant[b, SUCTION_LIMIT]
-        flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * at_limit * at_limit
+        at_limit = flow.scalar[b, EDGE_FACTOR] * flow.scalar[b, SUCTION_LIMIT]
+        flow.scalar[b, SUCTION] = flow.scalar[b, FACTOR] * at_limit * at_limit
     else:
-        flow.scalar[b, SUCTION] = flow.constant[b, FACTOR] * stretch * through * through
-        flow.scalar[b, SPEED] = through * ti.sqrt(stretch) / flow.constant[b, EDGE_FACTOR]
+        flow.scalar[b, SUCTION] = flow.scalar[b, FACTOR] * stretch * through * through
+        flow.scalar[b, SPEED] = through * ti.sqrt(stretch) / flow.scalar[b, EDGE_FACTOR]
 
 
 @ti.func

@@ -10,7 +10,7 @@ from typing import Any
 
 from ...case.case import Case
 from ...kernels.arrays import array, zeros
-from ...kernels.runtime import Floats2, Floats3, Ints2, Singles3, View, ti
+from ...kernels.runtime import Floats2, Floats3, Ints2, Ints3, Singles3, View, ti
 from ...march.stream import EDGE, KIND, gust_at
 from ...vortex.sum import (
     CIRCULATION,
@@ -43,33 +43,32 @@ edge, step for which velocities are computed already, number of wake-wing crossi
 from the leading edge.
 """
 
+LOST_Y, LOST_Z, DROPPED, FAR_ERROR = range(4)
+"""First columns of `scalar`: velocity lost at the wing by dropping and absorption, along Y and Z, m/s; circulation of
+the dropped vortices, m2/s; and largest error of a far sum, m/s.
+"""
 (ALONG_PATH, DISTANCE, AB2, CORE, GROWTH, ABSORBS, ABSORB_BEYOND, DECAY, REFLECTS, SINGLE, SHED_A_STEP, MERGES,
- MERGE_BEYOND, SPREAD) = range(14)  # fmt: skip
-"""Settings of a wake: position of new vortices on the trailing edge's path (0: at a fixed distance); that distance, or
-the minimum distance, m; weight of the velocity change in convection (Adams-Bashforth: 1/2; Euler: 0); full core, m;
-core growth per distance moved (0: full at once); 1 if a full ring absorbs, 0 if it drops; distance from the wing within
-which absorption is avoided, m; decay of the lost velocity per step; 1 if crossing vortices are reflected; 1 for pair
-sums in single precision; maximum number of vortices shed per step; allowed velocity change of merging, m/s (0: no
-merging), and minimum distance from mid-chord for merging, m; increase of the squared core by viscosity per step, m2.
+ MERGE_BEYOND, SPREAD) = range(4, 18)  # fmt: skip
+"""Next columns, the settings: position of new vortices on the trailing edge's path (0: at a fixed distance); that
+distance, or the minimum distance, m; weight of the velocity change in convection (Adams-Bashforth: 1/2; Euler: 0); full
+core, m; core growth per distance moved (0: full at once); 1 if a full ring absorbs, 0 if it drops; distance from the
+wing within which absorption is avoided, m; decay of the lost velocity per step; 1 if crossing vortices are reflected; 1
+for pair sums in single precision; maximum number of vortices shed per step; allowed velocity change of merging, m/s (0:
+no merging), and minimum distance from mid-chord for merging, m; increase of the squared core by viscosity per step, m2.
 """
-DROPPED, FAR_ERROR = 2, 3
-"""Columns of `tally` after the velocity lost at the wing by dropping and absorption, along Y and Z, m/s: circulation of
-the dropped vortices, m2/s, and largest error of a far sum, m/s.
+HEIGHT, VELOCITY, BEFORE, ROWS = 4, 5, 7, 9
+"""Rows of `vortex` after those of `taichiflap.vortex`: height above the wing, m (0: beyond the edges); first rows of
+the velocities, now and one step earlier, m/s; and the number of rows.
 """
-HEIGHT = 4
-"""Row of a wake's vortices, after those of `taichiflap.vortex`: height above the wing."""
-BEFORE = 2
-"""First row of the velocities one step earlier."""
+SHED_AT, SHED_FROM = range(2)
+"""Rows of `origin`: step of shedding, and edge, TRAILING or LEADING."""
 
 Wake = ti.types.argpack(
-    ring=Ints2,
-    setting=Floats2,  # (case, 14), see the names of its columns
-    vortex=Floats3,  # (case, 5, index), see taichiflap.vortex; and height above the wing, m (0: beyond the edges)
-    velocity=Floats3,  # (case, 4, index): current velocity, and velocity of the previous step
+    ring=Ints2,  # (case, column), and the others: see the names of the columns and rows
+    scalar=Floats2,
+    vortex=Floats3,  # (case, row, index)
+    origin=Ints3,
     single=Singles3,  # (case, 4, index): bound vortices and then the wake's, for sums in single precision
-    birth=Ints2,  # step of shedding
-    edge=Ints2,  # TRAILING or LEADING
-    tally=Floats2,
 )
 
 
@@ -82,13 +81,10 @@ def allocate(cases: Sequence[Case]) -> Any:
     count, most = len(cases), 16 * -(-max(keep) // 16)
     return Wake(
         ring=array([[size, 0, 0, 0, 0, 0, 0] for size in keep]),
-        setting=array([_settings(case) for case in cases]),
-        vortex=zeros(ti.f64, count, 5, most),
-        velocity=zeros(ti.f64, count, 4, most),
+        scalar=array([[0.0] * ALONG_PATH + _settings(case) for case in cases]),
+        vortex=zeros(ti.f64, count, ROWS, most),
+        origin=zeros(ti.i32, count, 2, most),
         single=zeros(ti.f32, count, 4, most + panels if single else 1),
-        birth=zeros(ti.i32, count, most),
-        edge=zeros(ti.i32, count, most),
-        tally=zeros(ti.f64, count, 4),
     )
 
 
@@ -122,7 +118,7 @@ def shed(wake: View, b, n, edge, y, z):
     else:
         place = wake.ring[b, OLDEST]
         wake.ring[b, OLDEST] = (place + 1) % wake.ring[b, CAPACITY]
-        wake.tally[b, DROPPED] = wake.tally[b, DROPPED] + wake.vortex[b, CIRCULATION, place]
+        wake.scalar[b, DROPPED] = wake.scalar[b, DROPPED] + wake.vortex[b, CIRCULATION, place]
     if edge == LEADING:
         wake.ring[b, YOUNGEST_LEADING] = place
     else:
@@ -133,15 +129,15 @@ def shed(wake: View, b, n, edge, y, z):
     wake.vortex[b, CORE2, place] = 0.0
     wake.vortex[b, HEIGHT, place] = 0.0
     grow_core(wake, b, place, 0.0, 0.0)
-    wake.birth[b, place] = n
-    wake.edge[b, place] = edge
+    wake.origin[b, SHED_AT, place] = n
+    wake.origin[b, SHED_FROM, place] = edge
 
 
 @ti.func
 def core2_at_birth(wake: View, b):
     """Initial squared core of a vortex, m2."""
-    core = wake.setting[b, CORE]
-    if wake.setting[b, GROWTH] > 0.0:
+    core = wake.scalar[b, CORE]
+    if wake.scalar[b, GROWTH] > 0.0:
         core = 0.0
     return core * core
 
@@ -149,12 +145,10 @@ def core2_at_birth(wake: View, b):
 @ti.func
 def move(wake: View, b, source, to):
     """Move a vortex from one index to another."""
-    for row in range(HEIGHT + 1):
+    for row in range(ROWS):
         wake.vortex[b, row, to] = wake.vortex[b, row, source]
-    for row in range(4):
-        wake.velocity[b, row, to] = wake.velocity[b, row, source]
-    wake.birth[b, to] = wake.birth[b, source]
-    wake.edge[b, to] = wake.edge[b, source]
+    wake.origin[b, SHED_AT, to] = wake.origin[b, SHED_AT, source]
+    wake.origin[b, SHED_FROM, to] = wake.origin[b, SHED_FROM, source]
     if wake.ring[b, YOUNGEST] == source:
         wake.ring[b, YOUNGEST] = to
     if wake.ring[b, YOUNGEST_LEADING] == source:
@@ -169,8 +163,8 @@ def carry(wake: View, bound: View, panels, stream: View, b, first):
     core2 = octet(wake.vortex, b, CORE2, first) + TINY
     w_y, w_z = induce(y, z, core2, wake.vortex, b, 0, wake.ring[b, COUNT])
     b_y, b_z = induce(y, z, core2, bound, b, 0, panels)
-    store_octet(wake.velocity, b, Y, first, w_y + b_y + stream[b, Y])
-    store_octet(wake.velocity, b, Z, first, w_z + b_z + stream[b, Z])
+    store_octet(wake.vortex, b, VELOCITY + Y, first, w_y + b_y + stream[b, Y])
+    store_octet(wake.vortex, b, VELOCITY + Z, first, w_z + b_z + stream[b, Z])
 
 
 @ti.func
@@ -191,15 +185,15 @@ def carry_single(wake: View, panels, stream: View, b, first):
     core2 = sixteen(wake.single, b, CORE2, panels + first) + Sixteen(TINY_SINGLE)
     u_y, u_z = induce_single(y, z, core2, wake.single, b, 0, panels + wake.ring[b, COUNT])
     for lane in ti.static(range(16)):
-        wake.velocity[b, Y, first + lane] = ti.cast(u_y[lane], ti.f64) + stream[b, Y]
-        wake.velocity[b, Z, first + lane] = ti.cast(u_z[lane], ti.f64) + stream[b, Z]
+        wake.vortex[b, VELOCITY + Y, first + lane] = ti.cast(u_y[lane], ti.f64) + stream[b, Y]
+        wake.vortex[b, VELOCITY + Z, first + lane] = ti.cast(u_z[lane], ti.f64) + stream[b, Z]
 
 
 @ti.func
 def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
     """Velocity of all wake vortices; the kernel contains sums in single precision only if a case needs them."""
     count = wake.ring[b, COUNT]
-    if wake.setting[b, SINGLE] > 0.0:
+    if wake.scalar[b, SINGLE] > 0.0:
         if ti.static(single):
             narrow(wake, bound, panels, b)
             for block in range((count + 15) // 16):
@@ -210,7 +204,7 @@ def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
 
 
 @ti.func
-def convect(wake: View, bound: View, panels, stream: View, gust: View, b, n, dt, single: View):
+def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: View):
     """Convect every wake vortex from step `n - 1` to `n`.
 
     A new vortex has no previous velocity, so its first step is an Euler step.
@@ -218,23 +212,23 @@ def convect(wake: View, bound: View, panels, stream: View, gust: View, b, n, dt,
     count = wake.ring[b, COUNT]
     if wake.ring[b, CARRIED] != n:
         carry_all(wake, bound, panels, stream, b, single)
-    if gust[b, KIND] > 0.0:
+    if stream[b, KIND] > 0.0:
         for i in range(count):
-            g_y, g_z = gust_at(gust, b, wake.vortex[b, Y, i], wake.vortex[b, Z, i], gust[b, EDGE])
-            wake.velocity[b, Y, i] = wake.velocity[b, Y, i] + g_y
-            wake.velocity[b, Z, i] = wake.velocity[b, Z, i] + g_z
+            g_y, g_z = gust_at(stream, b, wake.vortex[b, Y, i], wake.vortex[b, Z, i], stream[b, EDGE])
+            wake.vortex[b, VELOCITY + Y, i] = wake.vortex[b, VELOCITY + Y, i] + g_y
+            wake.vortex[b, VELOCITY + Z, i] = wake.vortex[b, VELOCITY + Z, i] + g_z
     for i in range(count):
         moved2 = 0.0
         for axis in range(2):
-            now = wake.velocity[b, axis, i]
+            now = wake.vortex[b, VELOCITY + axis, i]
             change = 0.0
-            if wake.birth[b, i] < n - 1:
-                change = wake.setting[b, AB2] * (now - wake.velocity[b, BEFORE + axis, i])
-            wake.velocity[b, BEFORE + axis, i] = now
+            if wake.origin[b, SHED_AT, i] < n - 1:
+                change = wake.scalar[b, AB2] * (now - wake.vortex[b, BEFORE + axis, i])
+            wake.vortex[b, BEFORE + axis, i] = now
             step = dt * (now + change)
             moved2 += step * step
             wake.vortex[b, axis, i] = wake.vortex[b, axis, i] + step
-        grow_core(wake, b, i, ti.sqrt(moved2), wake.setting[b, SPREAD])
+        grow_core(wake, b, i, ti.sqrt(moved2), wake.scalar[b, SPREAD])
 
 
 @ti.func
@@ -244,8 +238,8 @@ def grow_core(wake: View, b, i, moved, spread):
     A full core next to the edge would smear the Kutta condition. Viscosity adds `4 nu dt` to the squared core per step
     (Lamb-Oseen), even beyond the full size.
     """
-    full = wake.setting[b, CORE]
-    gain = wake.setting[b, GROWTH]
+    full = wake.scalar[b, CORE]
+    gain = wake.scalar[b, GROWTH]
     core2 = wake.vortex[b, CORE2, i] + spread
     if core2 < full * full or spread == 0.0:
         core = full
