@@ -32,7 +32,7 @@ def add_load(body: View, amplitude: View, b, j, m, work, modes):
 @ti.func
 def settle_loads(body: View, flow: View, b):
     """Amplitudes and forces at the step's modal acceleration."""
-    settle_amplitudes(body, flow.amplitude, b, flow.total.shape[1], body.modes[b])
+    settle_amplitudes(body, flow.amplitude, b, 0, flow.total.shape[1], body.modes[b])
     for c in range(4):
         body.force[b, c] = 0.0
         for m in range(flow.total.shape[1]):
@@ -40,9 +40,9 @@ def settle_loads(body: View, flow: View, b):
 
 
 @ti.func
-def settle_amplitudes(body: View, amplitude: View, b, count, modes):
-    """Set column 0 of `count` amplitudes to their values at the step's modal acceleration."""
-    for m in range(count):
+def settle_amplitudes(body: View, amplitude: View, b, first, last, modes):
+    """Set column 0 of the amplitudes `first` to `last - 1` to their values at the step's modal acceleration."""
+    for m in range(first, last):
         for k in range(modes):
             amplitude[b, 0, m] = amplitude[b, 0, m] + amplitude[b, k + 1, m] * body.q[b, ACCEL, k]
 

@@ -23,7 +23,7 @@ from ...march.state import BETA, RATE, modes_of
 from ...vortex.sum import TINY
 from . import added_mass, elements
 from .added_mass import TERMS
-from .elements import SCRATCH, STRETCH, U_N, W_RATE, superpose_octet, transform
+from .elements import SCRATCH, STRETCH, U_N, W_RATE, superpose_octet, transform, weigh
 
 LAG_AMPLITUDE = 0.026452, 0.134339, 0.259403, 0.079806
 LAG_EXPONENT = 0.008958, 0.062834, 0.219862, 0.719731
@@ -31,8 +31,12 @@ LAG_EXPONENT = 0.008958, 0.062834, 0.219862, 0.719731
 load is immediate: the A_m add up to 1/2.
 """
 
-WASH_BEFORE, SEPARATED, ADVANCE = range(4, 7)
-"""Columns of `lag` after the four states X_m: w one step earlier, the share of separated flow, and s."""
+WASH_BEFORE, SEPARATED, ADVANCE, KEPT, GAINED = 4, 5, 6, 7, 11
+"""Columns of `lag` after the four states X_m: w one step earlier, the share of separated flow, s, and from KEPT and
+GAINED on the step's factors of the states and of the change of w.
+"""
+LAGS = 15
+"""Number of columns of `lag`."""
 COEFFICIENTS = TERMS + 2
 """Rows of `cosine`, the cosine coefficients from v_0 on, and w."""
 
@@ -81,6 +85,7 @@ def lag(flow: View, b):
     for m in ti.static(range(4)):
         whole = ti.exp(-LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
         half = LAG_AMPLITUDE[m] * ti.exp(-0.5 * LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
+        flow.lag[b, KEPT + m], flow.lag[b, GAINED + m] = whole, half
         kept -= half
         known += half * flow.lag[b, WASH_BEFORE] - flow.lag[b, m] * whole
     return kept, known
@@ -90,9 +95,8 @@ def lag(flow: View, b):
 def remember(flow: View, b, wash):
     """Advance the lag states to the step's w."""
     for m in ti.static(range(4)):
-        whole = ti.exp(-LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
-        half = LAG_AMPLITUDE[m] * ti.exp(-0.5 * LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
-        flow.lag[b, m] = flow.lag[b, m] * whole + half * (wash - flow.lag[b, WASH_BEFORE])
+        change = flow.lag[b, GAINED + m] * (wash - flow.lag[b, WASH_BEFORE])
+        flow.lag[b, m] = flow.lag[b, m] * flow.lag[b, KEPT + m] + change
     flow.lag[b, WASH_BEFORE] = wash
 
 
@@ -100,7 +104,8 @@ def remember(flow: View, b, wash):
 def lift(body: View, flow: View, b, rule, used: View):
     """Cosine coefficients of v without modal acceleration (column 0) and for a unit acceleration of every mode.
 
-    The zeroth includes the deficiency; it is then the velocity around the leading edge.
+    The zeroth includes the deficiency; it is then the velocity around the leading edge. Of separated flow only the
+    last, w, is needed.
     """
     kept, remembered = lag(flow, b)
     modes = modes_of(body, b, used.modes)
@@ -113,11 +118,14 @@ def lift(body: View, flow: View, b, rule, used: View):
             else:
                 velocity = rule[BETA] * flow.element[b, STRETCH, block] * flow.shape[b, column - 1, block]
             flow.element[b, SCRATCH, block] = velocity
-        transform(flow, flow.cosines, b, flow.cosine, column, COEFFICIENTS)
-        lagging = (kept - 1.0) * flow.cosine[b, column, COEFFICIENTS - 1]
-        if column == 0:
-            lagging += remembered
-        flow.cosine[b, column, 0] = flow.cosine[b, column, 0] + lagging
+        if flow.lag[b, SEPARATED] < 1.0:
+            transform(flow, flow.cosines, b, flow.cosine, column, COEFFICIENTS)
+            lagging = (kept - 1.0) * flow.cosine[b, column, COEFFICIENTS - 1]
+            if column == 0:
+                lagging += remembered
+            flow.cosine[b, column, 0] = flow.cosine[b, column, 0] + lagging
+        else:
+            flow.cosine[b, column, COEFFICIENTS - 1] = weigh(flow, flow.cosines, b, COEFFICIENTS - 1)
 
 
 @ti.func

@@ -73,3 +73,12 @@ def transform(flow: View, table: View, b, result: View, column, terms: View):
                 totals[i] += table[b, group + i, block] * values
         for i in ti.static(range(min(ABREAST, terms - group))):
             result[b, column, group + i] = totals[i].sum()
+
+
+@ti.func
+def weigh(flow: View, table: View, b, term):
+    """Sum over the elements of the scratch row times one term of a table, as of `transform`."""
+    total = Octet(0.0)
+    for block in range((flow.elements[b] + 7) // 8):
+        total += table[b, term, block] * flow.element[b, SCRATCH, block]
+    return total.sum()

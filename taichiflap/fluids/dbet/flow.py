@@ -29,7 +29,7 @@ from ...vortex.sum import TINY
 from ..interface import Flow
 from . import added_mass, attached, elements, loads, separated
 from .added_mass import TERMS
-from .attached import ADVANCE, COEFFICIENTS, SEPARATED
+from .attached import ADVANCE, COEFFICIENTS, LAGS, SEPARATED
 from .elements import (
     AREA,
     ATTACHED,
@@ -67,7 +67,7 @@ Blades = ti.types.argpack(
     loads=Octets3,
     cosine=Floats3,  # (case, 1 + modes, term): cosine coefficients of u_n, likewise
     work=Floats3,  # (case, 1, term): of a mode on the loads of attached flow
-    lag=Floats2,  # (case, 7): see `attached`
+    lag=Floats2,  # (case, LAGS): see `attached`
 )
 
 
@@ -126,7 +126,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         loads=octet_array(lifts),
         cosine=zeros(ti.f64, count, modes + 1, COEFFICIENTS),
         work=zeros(ti.f64, count, 1, COEFFICIENTS),
-        lag=zeros(ti.f64, count, 7),
+        lag=zeros(ti.f64, count, LAGS),
     )
     used = Uses(any(map(extends, cases)), common_modes(sections))
     return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record, uses=used)
@@ -178,13 +178,14 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
         flow.element[b, TRACTION, block] = share * (flow.element[b, TRACTION, block] + turning)
         flow.element[b, SLOPE, block] = share * flow.element[b, SLOPE, block]
         if ti.static(used.extended):
-            u_t = flow.element[b, U_T, block]
-            along = ti.sqrt(u_t * u_t)
-            friction = flow.setting[b, FRICTION] * ti.sqrt(along) * u_t
-            shearing = share * flow.element[b, SHEARING, block] + (1.0 - share) * friction
-            lifted = (1.0 - share) * 2.0 * math.pi * flow.setting[b, HALF_DENSITY]
-            flow.element[b, SHEARING, block] = shearing
-            flow.element[b, LIFTED, block] = lifted * along
+            if share < 1.0:
+                u_t = flow.element[b, U_T, block]
+                along = ti.sqrt(u_t * u_t)
+                friction = flow.setting[b, FRICTION] * ti.sqrt(along) * u_t
+                shearing = share * flow.element[b, SHEARING, block] + (1.0 - share) * friction
+                lifted = (1.0 - share) * 2.0 * math.pi * flow.setting[b, HALF_DENSITY]
+                flow.element[b, SHEARING, block] = shearing
+                flow.element[b, LIFTED, block] = lifted * along
 
 
 @ti.func

@@ -97,12 +97,13 @@ def settle_flow(body: View, flow: View, b, used: View):
     modes = modes_of(body, b, used.modes)
     if ti.static(used.extended):
         if flow.option[b, POTENTIAL] == 1:
-            settle_amplitudes(body, flow.sine, b, TERMS, modes)
+            settle_amplitudes(body, flow.sine, b, 0, TERMS, modes)
     if ti.static(used.extended):
         if flow.option[b, ATTACHED] == 1:
-            settle_amplitudes(body, flow.cosine, b, COEFFICIENTS, modes)
-            attached.remember(flow, b, flow.cosine[b, 0, COEFFICIENTS - 1])
             lifting = int(flow.lag[b, SEPARATED] < 1.0)
+            first = 0 if lifting == 1 else COEFFICIENTS - 1
+            settle_amplitudes(body, flow.cosine, b, first, COEFFICIENTS, modes)
+            attached.remember(flow, b, flow.cosine[b, 0, COEFFICIENTS - 1])
     return lifting
 
 

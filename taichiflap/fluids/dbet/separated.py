@@ -120,7 +120,7 @@ def lean(body: View, flow: View, b, block, modes):
 def linearise(body: View, flow: View, b, n, used: View):
     """Motion of the elements and forces of separated flow at the predicted rates (Eqs 6-7, 17-27).
 
-    Returns the means over the chord of u_n and u_t.
+    Returns the means over the chord of u_n and u_t, zero where `blend` does not need them.
     """
     modes = modes_of(body, b, used.modes)
     heave = pivot_heave(body, b, n)
@@ -165,11 +165,12 @@ def linearise(body: View, flow: View, b, n, used: View):
         flow.element[b, R_Z, block] = r_z
         flow.element[b, E_Y, block] = e_y
         flow.element[b, W_RATE, block] = w_rate
-        flow.element[b, U_N, block] = u_n
-        flow.element[b, U_T, block] = u_t
         flow.element[b, TRACTION, block] = traction
         flow.element[b, SLOPE, block] = slope
         flow.element[b, FLUX_RATE, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
-        mean_n += flow.element[b, SHARE, block] * u_n
-        mean_t += flow.element[b, SHARE, block] * u_t
+        if ti.static(used.extended):
+            flow.element[b, U_N, block] = u_n
+            flow.element[b, U_T, block] = u_t
+            mean_n += flow.element[b, SHARE, block] * u_n
+            mean_t += flow.element[b, SHARE, block] * u_t
     return mean_n.sum(), mean_t.sum()
