@@ -12,7 +12,7 @@ from taichiflap.case.case import CaseError, parse_case
 from taichiflap.fluids.dbet import added_mass, attached, elements
 from taichiflap.fluids.dbet.elements import AREA, PRESSURE, SHEAR
 from taichiflap.kernels.runtime import view
-from taichiflap.march import loads
+from taichiflap.march.series import Series
 from taichiflap.march import march as marching
 from taichiflap.march.state import AXIAL, MOMENT, NORMAL, UNSTEADY
 from taichiflap.structure import beam
@@ -109,7 +109,7 @@ def gained(*settings):
     case = hawkmoth("solver=dbet", *NO_BLADES, "wing.damping_ratio=0.3", "time.periods=6", *settings)
     frames, marched = march(case)
     told = {"step": frames.step, "q": frames.q, "force": frames.force, "modal_force": frames.modal_force}
-    power = -loads.over_time(case, marched.sections[0], marched.motion[0], told)["power_aerodynamic"]
+    power = -Series.of(case, marched.sections[0], marched.motion[0], told).power_aerodynamic[0]
     power = (power + (frames.modal_force * frames.q[:, 1]).sum(axis=1))[-201:]
     return np.trapezoid(power) / np.trapezoid(np.abs(power))
 

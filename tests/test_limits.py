@@ -12,7 +12,7 @@ from taichiflap.commands.map_summary import map_lines
 from taichiflap.maps import file as maps
 from taichiflap.maps.design import design
 from taichiflap.maps.outcome import Outcome
-from taichiflap.march import loads
+from taichiflap.march.series import Series
 from taichiflap.metrics.beats import whole_beats
 from taichiflap.metrics.names import QUANTITIES
 from taichiflap.metrics.summary import summarise
@@ -25,8 +25,9 @@ from taichiflap.run.warnings import outcome, too_bent, unbalanced, warnings
 def series(case):
     """The series of a case, marched step by step without a file."""
     frames, marched = march(case)
-    run = loads.over_time(case, marched.sections[0], marched.motion[0], vars(frames))
-    return SimpleNamespace(case=case, variables=list(run), **run)
+    found = Series.of(case, marched.sections[0], marched.motion[0], vars(frames))
+    names = found.variables
+    return SimpleNamespace(case=case, variables=names, **{name: getattr(found, name)[0] for name in names})
 
 
 @pytest.mark.slow

@@ -54,7 +54,7 @@ def energy_residual(solver, steps, *more):
     by_fluid = force_z * rate + force[:, MOMENT] * theta_rate + derived["force_y"] * moved[:, sampling.SURGE_RATE]
     by_fluid += np.sum(frames.modal_force * state[:, RATE], axis=1)
     lost = np.sum(2 * section.damping_ratio * section.omega * state[:, RATE] ** 2, axis=1)
-    energy = loads.mechanical_energy(section, moved, state)
+    energy = derived["energy"]
     flow = derived["power"] + by_fluid - lost
     beat = slice(steps, None)
     work = np.trapezoid(flow[beat], dx=case.step)

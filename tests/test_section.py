@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.special import iv, jv
 
-from taichiflap.march import loads
+from taichiflap.march import series
 from taichiflap.structure import beam
 from taichiflap.structure.chordwise import Profile
 from taichiflap.structure.distribution import Section
@@ -240,7 +240,7 @@ def test_inertial_power_is_the_rate_of_the_kinetic_energy_of_all_points(settings
     turned = np.cos(value[1]), np.sin(value[1])
     moved = np.array([[*(row[axis] for axis in range(3) for row in (value, rate, accel)), *turned]])
     state = np.array([[value[3:], rate[3:], accel[3:]]])
-    found = loads.inertial_power(section, moved, state)[0]
+    found = series.inertial_power(section, moved.T, state.transpose(1, 2, 0))[0]
     if section.count:  # the modes take their own share of the energy: what is left is the actuator's
         theta_rate = rate[1]
         heave = accel[0] * turned[0] - accel[2] * turned[1]

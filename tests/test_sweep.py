@@ -19,6 +19,7 @@ from taichiflap.maps import file as maps
 from taichiflap.maps import outcome
 from taichiflap.maps.design import design, read_vary
 from taichiflap.metrics import names as quantities
+from taichiflap.metrics import summary as metrics
 from taichiflap.studies import batch
 from taichiflap.studies.sweep import fill, prepare
 
@@ -138,9 +139,8 @@ def test_harmonics_are_those_of_a_known_series(case):
     turn = 2 * np.pi * 25.0 * time
     known = 3.0 + 2.0 * np.cos(turn + 0.5) + 0.25 * np.cos(3 * turn - 1.0)
     series = {name: np.zeros_like(time) for name in quantities.SERIES} | {"force_normal": known}
-    found = quantities.measure(
-        SimpleNamespace(case=case, variables=list(series), time=time, **series), quantities.choose([])
-    )
+    run = SimpleNamespace(case=case, variables=list(series), time=time, **series)
+    (found,) = quantities.measure(metrics.Alone(run), quantities.choose([]))
     for name, value in {
         "force_normal_mean": 3.0,
         "force_normal_harmonic_1": 2.0,

@@ -1,6 +1,5 @@
 """The beats of a run: their frames, means and peaks, and which beats are free of the starting transient."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,14 +51,15 @@ class Beats:
         """Largest magnitude in each beat, along the last axis; shape (..., beats)."""
         return np.maximum.reduceat(np.abs(values[..., : self.edges[-1]]), self.edges[:-1], axis=-1)
 
-    def mean_forces(self, result: Result) -> Array:
-        """Mean force vector of each beat, N, shape (2, beats)."""
-        return self.means(np.stack((result.force_y, result.force_z)))
+    def mean_forces(self, force_y: Array, force_z: Array) -> Array:
+        """Mean force vector of each beat, N, shape (..., 2, beats)."""
+        return np.stack((self.means(force_y), self.means(force_z)), axis=-2)
 
-    def force_size(self, result: Result) -> float:
-        """Root-mean-square force over the second half of the beats, N."""
+    def force_size(self, force_y: Array, force_z: Array) -> Array:
+        """Root-mean-square force over the second half of the beats, N, shape (...)."""
         frames = self.after(len(self) // 2).frames
-        return math.sqrt(np.mean(result.force_y[frames] ** 2 + result.force_z[frames] ** 2))
+        square: Array = force_y[..., frames] ** 2 + force_z[..., frames] ** 2
+        return np.sqrt(square.sum(axis=-1) / square.shape[-1])
 
 
 def whole_beats(case: Case, time: Array) -> Beats:
@@ -72,20 +72,27 @@ def whole_beats(case: Case, time: Array) -> Beats:
 
 
 def settled_beats(result: Result) -> Beats:
-    """The whole beats after the starting transient.
-
-    Up to half of the beats are dropped, such that the standard error of the mean force of the others is smallest: the
-        marginal standard error rule (White, Simulation 69, 1997), which balances the bias of the transient against the
-        loss of samples.
-    """
+    """The whole beats after the starting transient, see `transient`."""
     beats = whole_beats(result.case, result.time)
+    return beats.after(int(transient(beats, result.force_y, result.force_z)))
+
+
+def transient(beats: Beats, force_y: Array, force_z: Array) -> NDArray[np.intp]:
+    """Number of beats that belong to the starting transient, at most half of them; shape (...).
+
+    The standard error of the mean force of the others is then smallest: the marginal standard error rule (White,
+    Simulation 69, 1997), which balances the bias of the transient against the loss of samples.
+
+    Args:
+        force_y, force_z: N, shape (..., steps).
+    """
     if len(beats) < 2:
-        return beats
-    forces, size = beats.mean_forces(result), beats.force_size(result)
+        return np.zeros(force_y.shape[:-1], np.intp)
+    forces, size = beats.mean_forces(force_y, force_z), beats.force_size(force_y, force_z)
     most = len(beats) // 2
     # Sums of differences from the mean of the second half, to avoid cancellation.
-    apart = (forces - forces[:, most:].mean(axis=1, keepdims=True))[:, ::-1]
+    apart = (forces - forces[..., most:].mean(axis=-1, keepdims=True))[..., ::-1]
     count = np.arange(1, len(beats) + 1)
-    scatter = np.sum(np.cumsum(apart**2, axis=1) - np.cumsum(apart, axis=1) ** 2 / count, axis=0)
-    errors = ((scatter + count * (BLUR * size) ** 2) / count**2)[::-1]
-    return beats.after(int(np.argmin(errors[: most + 1])))
+    scatter = np.sum(np.cumsum(apart**2, axis=-1) - np.cumsum(apart, axis=-1) ** 2 / count, axis=-2)
+    errors = ((scatter + count * (BLUR * size[..., None]) ** 2) / count**2)[..., ::-1]
+    return np.argmin(errors[..., : most + 1], axis=-1)

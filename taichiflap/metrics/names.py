@@ -17,7 +17,7 @@ from ..errors import UserError
 from ..march.reference import reference
 from ..results.variables import VARIABLES, Variable
 from .similarity import Similarity
-from .summary import ORDERS, WAVING, Statistic, Summary, summarise
+from .summary import ORDERS, WAVING, Statistic, Summary, summaries
 
 OF_FILM = ("circulation", "wake_")
 """Prefixes of series from a fluid model's outputs, which a study does not keep."""
@@ -166,16 +166,15 @@ def _spoken(name: str) -> str:
     return "_".join(filter(None, (second, first, rest)))
 
 
-def measure(run: Any, names: Sequence[str]) -> dict[str, float]:
-    """Metrics of a run; NaN where undefined, such as the phase of a wing at rest.
+def measure(runs: Any, names: Sequence[str]) -> list[dict[str, float]]:
+    """Metrics of each of several runs; NaN where undefined, such as the phase of a wing at rest.
 
     Args:
-        run: an object with the attributes of a result that `summarise` reads.
+        runs: as of `taichiflap.metrics.summary.summaries`.
         names: metrics as returned by `choose`.
     """
-    summary = summarise(run)
-    values = _flattened(summary) if summary else {}
-    return {name: values.get(name, math.nan) for name in names}
+    found = [_flattened(summary) if summary else {} for summary in summaries(runs)]
+    return [{name: values.get(name, math.nan) for name in names} for values in found]
 
 
 def _flattened(summary: Summary) -> dict[str, float]:

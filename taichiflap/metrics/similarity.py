@@ -13,7 +13,7 @@ import numpy as np
 from ..case.case import Case
 from ..case.fluid import Fluid
 from ..case.motion import Motion
-from ..march.reference import MOMENTS, reference
+from ..march.reference import MOMENTS, Reference, reference
 from ..motion import attack, sampling
 
 
@@ -40,10 +40,10 @@ class Similarity:
     angle_of_attack_rms: float | None
 
     @classmethod
-    def of(cls, case: Case) -> "Similarity":
-        """Similarity numbers of a case."""
+    def of(cls, case: Case, scale: Reference | None = None) -> "Similarity":
+        """Similarity numbers of a case; `scale` are its reference values, if they are known."""
         chord, frequency, viscosity = case.wing.chord, case.motion.frequency, case.fluid.viscosity
-        speed = reference(case).speed
+        speed = (scale or reference(case)).speed
         pivot, mean, rms = _moved(case.motion, case.fluid, case.duration, case.beat)
         return cls(
             reynolds=speed * chord / viscosity if viscosity else None,

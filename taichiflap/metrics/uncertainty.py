@@ -17,18 +17,18 @@ def standard_errors(values: Array) -> Array:
     `(1 + 4 r) / n` (Orcutt & Irwin, J. R. Stat. Soc. B 10, 1948), which is corrected; a negative one counts as zero.
 
     Args:
-        values: shape (quantities, beats).
+        values: shape (..., beats).
 
     Returns:
-        Shape (quantities,); not-a-number where there are fewer than `FEWEST_BEATS` beats.
+        Shape (...); not-a-number where there are fewer than `FEWEST_BEATS` beats.
     """
-    count = values.shape[1]
+    count = values.shape[-1]
     if count < FEWEST_BEATS:
-        return np.full(len(values), np.nan)
-    apart = values - values.mean(axis=1, keepdims=True)
-    squares = (apart**2).sum(axis=1)
-    products = (apart[:, 1:] * apart[:, :-1]).sum(axis=1)
-    found = np.divide(products, squares, out=np.zeros(len(values)), where=squares > 0.0)
+        return np.full(values.shape[:-1], np.nan)
+    apart = values - values.mean(axis=-1, keepdims=True)
+    squares = (apart**2).sum(axis=-1)
+    products = (apart[..., 1:] * apart[..., :-1]).sum(axis=-1)
+    found = np.divide(products, squares, out=np.zeros(squares.shape), where=squares > 0.0)
     correlation = np.clip((count * found + 1.0) / (count - 4.0), 0.0, (count - 2.0) / (count + 2.0))
     independent = count * (1.0 - correlation) / (1.0 + correlation)
     return np.sqrt(squares / count / (independent - 1.0))

@@ -108,15 +108,16 @@ def rms_speed(
     return math.sqrt(np.mean(along_y**2 + along_z**2))
 
 
+@functools.lru_cache(maxsize=256)
 def speed_at_steps(
-    motion: Motion, behind: float, stream: tuple[float, float], step: float, count: int, steps: slice
+    motion: Motion, behind: float, stream: tuple[float, float], step: float, count: int, first: int, last: int
 ) -> float:
-    """What `typical_speed` gives over some of the steps of a march, which has sampled them before.
+    """What `typical_speed` gives over the steps from `first` to `last - 1` of a march, which has sampled them before.
 
     Args:
-        step, count: of the march, s.
-        steps: which of them.
+        step, count: length and number of the steps of the march, s.
     """
+    steps = slice(first, last)
     how = motion.frequency, motion.growth, step, count
     plunge, pitch, surge = (axis_at_steps(axis, *how) for axis in (motion.plunge, motion.pitch, motion.surge))
     turned = turned_at_steps(motion.pitch, *how)

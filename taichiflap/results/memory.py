@@ -1,6 +1,7 @@
 """A result in memory: plain arrays with the structure of a result file."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import functools
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,20 +22,28 @@ from .writer import Writer
 class Array:
     """An array with the interface of HDF5 datasets: reading returns a copy.
 
-    It is put together of the blocks that a run leaves when something of it is read for the first time.
+    It is computed, and put together of the blocks of a run, when something of it is read for the first time.
+
+    Args:
+        name: of the array in each of the blocks.
+        kind: type of its numbers; None for that of the first block.
     """
 
-    def __init__(self, blocks: list[NDArray[Any]], kind: Any = None) -> None:
-        self._blocks, self._kind = blocks, kind
+    def __init__(self, blocks: Sequence[MutableMapping[str, Any]], name: str, kind: Any = None) -> None:
+        self._blocks, self._name, self._kind = blocks, name, kind
 
-    @property
+    @functools.cached_property
     def values(self) -> NDArray[Any]:
         """All of it, not to be changed."""
-        if len(self._blocks) > 1 or self._kind is not None:
-            whole = np.concatenate(self._blocks) if len(self._blocks) > 1 else self._blocks[0]
-            self._blocks[:] = [whole if self._kind is None else whole.astype(self._kind, copy=False)]
-            self._kind = None
-        return self._blocks[0]
+        parts = [block[self._name] for block in self._blocks]
+        whole = np.concatenate(parts) if len(parts) > 1 else np.asarray(parts[0])
+        whole = whole if self._kind is None else whole.astype(self._kind, copy=False)
+        if len(parts) > 1:
+            # The blocks keep no second copy.
+            ends = np.cumsum([len(part) for part in parts])
+            for block, own in zip(self._blocks, np.split(whole, ends[:-1]), strict=True):
+                block[self._name] = own
+        return whole
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -85,8 +94,8 @@ class Memory(Recorder):
 
     def __init__(self, case: Case, warnings: list[str]) -> None:
         super().__init__(case, warnings)
-        self._fixed: dict[str, Array] = {}
-        self._blocks: dict[str, list[NDArray[Any]]] = {}
+        self._arrays: dict[str, Array] = {}
+        self._blocks: list[MutableMapping[str, Any]] = []
 
     def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
         """Know what is to come. Arguments as of `Recorder.lay_out`."""
@@ -95,17 +104,17 @@ class Memory(Recorder):
         self._recipe = nodes, section, sample, contents
         fixed = {name: values for name, (values, _) in layout.axes(nodes, section, contents).items()}
         fixed |= {f"modes/{name}": values for name, values in layout.modes(nodes, section).items()}
-        self._fixed = {name: Array([values]) for name, values in fixed.items()}
-        self._blocks = {name: [] for name in self.names}
+        self._arrays = {name: Array([fixed], name) for name in fixed}
+        self._arrays |= {name: Array(self._blocks, name, self._kind(name)) for name in self.names}
 
-    def _put(self, name: str, first: int, values: np.ndarray) -> None:
-        self._blocks[name].append(values)
+    def append(self, variables: MutableMapping[str, Any]) -> None:
+        """Keep a block, whose variables are read when they are asked for."""
+        self._blocks.append(variables)
+        self.steps += len(variables["time"])
 
     def written(self, name: str) -> np.ndarray:
-        """Recorded values of a variable with one value per step."""
-        blocks = self._blocks[name]
-        blocks[:] = [np.concatenate(blocks)] if len(blocks) > 1 else blocks
-        return blocks[0]
+        """All values of a variable with one value per step, at the end of a run."""
+        return self._arrays[name].values
 
     def _kind(self, name: str) -> str:
         """Type of the numbers of what is appended, as a file has it."""
@@ -123,8 +132,7 @@ class Memory(Recorder):
     ) -> Result:
         """The result, open for reading. Same arguments as `Recorder.finish`."""
         ending = {"status": status, "figures": dict(figures or {}), "reason": reason, "warnings": list(warnings)}
-        found = {name: Array(blocks, self._kind(name)) for name, blocks in self._blocks.items()}
-        return MemoryResult(self, Store(self._fixed | found), ending)
+        return MemoryResult(self, Store(self._arrays), ending)
 
     @property
     def own(self) -> dict[str, Variable]:

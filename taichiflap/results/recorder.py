@@ -1,7 +1,7 @@
 """Where a run's variables go, block by block: what the result file and the result in memory have in common."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,7 +49,7 @@ class Recorder:
         groups = [f"{group}/count" for group in layout.groups(self._plan)]
         return [*layout.times(self.case), *self._plan, *groups]
 
-    def append(self, variables: Mapping[str, np.ndarray]) -> None:
+    def append(self, variables: MutableMapping[str, Any]) -> None:
         """Add a block of steps, and of the frames among them."""
         frames = self.case.frames(self.steps)
         blocks: dict[str, tuple[int, np.ndarray]] = {}

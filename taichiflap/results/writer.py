@@ -9,7 +9,7 @@ import contextlib
 import os
 import shutil
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -114,7 +114,7 @@ class Writer(Recorder):
             for group in layout.groups(self._plan)
         }
 
-    def append(self, variables: Mapping[str, np.ndarray]) -> None:
+    def append(self, variables: MutableMapping[str, Any]) -> None:
         """Append a block of steps with its frames, and pass it to the system.
 
         Raises:

@@ -147,7 +147,7 @@ def _run(
     writers: list[Recorder] = []
     try:
 
-        def derive(blocks: list[dict[str, np.ndarray]]) -> Iterator[dict[str, Any]]:
+        def derive(blocks: list[dict[str, np.ndarray]]) -> Iterator[loads.Derived]:
             for b, (case, frames) in enumerate(zip(cases, blocks, strict=True)):
                 yield loads.derive(case, march.sections[b], fluid.nodes(case), march.motion[b], frames)
 

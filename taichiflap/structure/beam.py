@@ -61,6 +61,11 @@ class Modes:
         """Mass-normalised mode shapes phi_k at chordwise positions `y` (m): shape (modes, len(y)), 1/sqrt(kg)."""
         return self._shape(np.asarray(y, dtype=np.float64) / self.chord)[0]
 
+    @functools.cached_property
+    def tip(self) -> Array:
+        """Mode shapes at the trailing edge, shape (modes,)."""
+        return self.shape([self.chord])[:, 0]
+
     def slope(self, y: ArrayLike) -> Array:
         """Slopes d(phi_k)/dy of the mode shapes at `y` (m): shape (modes, len(y)), 1/(m sqrt(kg))."""
         return self._shape(np.asarray(y, dtype=np.float64) / self.chord)[1] / self.chord

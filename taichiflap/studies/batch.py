@@ -1,9 +1,8 @@
 """Batches of cases with one solver, marched side by side, and the metrics of each case."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,9 @@ from ..case.case import Case, CaseError
 from ..kernels.runtime import available_threads
 from ..maps.design import Design
 from ..maps.outcome import Outcome
-from ..march import loads
 from ..march.march import March
+from ..march.reference import Reference, reference
+from ..march.series import Series
 from ..metrics.names import SERIES, measure
 
 LAUNCH_WORK = 6e8
@@ -27,6 +27,8 @@ SHARES = 4
 """Minimum number of cases per thread, so that no thread waits long for the last case."""
 WINDOW = 4096
 """Number of cases considered together to form batches of similar cost."""
+TOGETHER = 8
+"""Number of cases that are measured together: their arrays stay in the processor's cache."""
 LOOKED_AT = 512
 """Number of cases sampled to estimate the work of a study."""
 
@@ -124,26 +126,43 @@ def compute(
     with fluids.blamed(cases[0].solver):
         march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False)
         march.advance(0)
-    blocks = []
+    blocks: list[list[dict[str, np.ndarray]]] = []
     total = sum(work(case) for case in cases)
     steps = max(1, int(march.steps * LAUNCH_WORK * (threads or available_threads()) / total))
     while not march.done:
         blocks.append(march.advance(steps))
         if progress:
             progress(min(march.next_step / (march.steps + 1), 1.0))
-    outcomes = []
-    for b, failed in enumerate(march.failures()):
-        if failed >= 0:
-            outcomes.append(Outcome(reason=march.reason(b)))
-            continue
-        frames = _joined([block[b] for block in blocks])
-        run = loads.over_time(cases[b], march.sections[b], march.motion[b], frames)
-        kept = {name: run[name] for name in ("time", *SERIES) if name in run} if keep_series else {}
-        outcomes.append(Outcome(measure(SimpleNamespace(case=cases[b], variables=list(run), **run), metrics), kept))
-    return outcomes
+    outcomes = {b: Outcome(reason=march.reason(int(b))) for b in np.flatnonzero(march.failures() >= 0).tolist()}
+    for members, scales in _alike(march, [b for b in range(len(cases)) if b not in outcomes]):
+        run = _series(march, members, scales, blocks)
+        kept = [name for name in ("time", *SERIES) if name in run.variables] if keep_series else []
+        for i, (b, found) in enumerate(zip(members, measure(run, metrics), strict=True)):
+            outcomes[b] = Outcome(found, {name: getattr(run, name)[i] for name in kept})
+    return [outcomes[b] for b in range(len(cases))]
 
 
-def _joined(blocks: Sequence[Mapping[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    if len(blocks) == 1:
-        return dict(blocks[0])
-    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+def _alike(march: March, members: Sequence[int]) -> Iterator[tuple[list[int], list[Reference]]]:
+    """Cases of a batch that `Series` can derive together, with their reference values."""
+    groups: dict[Any, list[tuple[int, Reference]]] = {}
+    for b in members:
+        case, scale = march.cases[b], reference(march.cases[b])
+        key = case.steps, march.sections[b].count, case.fluid.streams, bool(scale.force)
+        groups.setdefault(key, []).append((b, scale))
+    for group in groups.values():
+        for first in range(0, len(group), TOGETHER):
+            numbers, scales = zip(*group[first : first + TOGETHER], strict=True)
+            yield list(numbers), list(scales)
+
+
+def _series(
+    march: March, members: Sequence[int], scales: Sequence[Reference], blocks: Sequence[Sequence[Any]]
+) -> Series:
+    """The series of some cases of a batch, which `march.advance` gave in blocks."""
+    cases, sections = [march.cases[b] for b in members], [march.sections[b] for b in members]
+    found = {
+        name: np.stack([np.concatenate([block[b][name] for block in blocks]) for b in members])
+        for name in ("q", "modal_force", "force")
+    }
+    steps = np.arange(cases[0].steps + 1)
+    return Series(cases, sections, march.motion[members, : len(steps)], steps, **found, scales=scales)

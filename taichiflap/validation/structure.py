@@ -166,7 +166,7 @@ def _unaccounted(solver: str, steps: int) -> float:
     power += frames["force"][:, MOMENT] * moved[:, sampling.PITCH_RATE]
     power += np.sum(frames["modal_force"] * state[:, RATE], axis=1)
     power -= np.sum(2.0 * section.damping_ratio * section.omega * state[:, RATE] ** 2, axis=1)
-    stored = loads.mechanical_energy(section, moved, state)
+    stored = derived["energy"]
     work = np.trapezoid(power[steps:], dx=case.step)
     gross = np.trapezoid(np.abs(derived["power"][steps:]), dx=case.step)
     return float(abs(work - (stored[-1] - stored[steps])) / gross)

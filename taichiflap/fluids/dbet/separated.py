@@ -169,8 +169,7 @@ def linearise(body: View, flow: View, b, n, used: View):
         flow.element[b, SLOPE, block] = slope
         flow.element[b, FLUX_RATE, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
         if ti.static(used.extended):
-            flow.element[b, U_N, block] = u_n
-            flow.element[b, U_T, block] = u_t
+            flow.element[b, U_N, block], flow.element[b, U_T, block] = u_n, u_t
             mean_n += flow.element[b, SHARE, block] * u_n
             mean_t += flow.element[b, SHARE, block] * u_t
     return mean_n.sum(), mean_t.sum()

@@ -1,0 +1,292 @@
+"""The variables of cases with one value per step: forces in both frames, power, energy.
+
+They are derived from the march's state when they are first read. A study reads few of them, a result file all.
+"""
+
+import functools
+from collections.abc import Iterable, Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..case.case import Case
+from ..motion.attack import angle_of_attack
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
+from ..motion.stream import in_stream
+from ..structure.beam import Modes
+from .reference import Reference, reference
+from .state import AMPLITUDE, AXIAL, COSINE, MOMENT, NORMAL, RATE, SINE, UNSTEADY
+
+Array = NDArray[np.float64]
+
+ALWAYS = (
+    "time", "plunge", "surge", "pitch", "tip_deflection", "force_normal", "force_axial", "force_normal_unsteady",
+    "force_y", "force_z", "force_vertical", "force_vertical_normal", "moment", "power", "power_aerodynamic",
+    "power_inertial", "power_net", "energy", "angle_of_attack",
+)  # fmt: skip
+STREAMING = "lift", "thrust"
+"""Variables in a free stream."""
+COEFFICIENTS, OF_STREAM = ("lift_coefficient", "power_coefficient"), ("drag_coefficient", "thrust_coefficient")
+"""Variables where something moves, and in a free stream."""
+CONSTANTS = ("omega", "damping_ratio", "lam", "psi", "mass", "first_moment", "second_moment")
+"""Numbers of a section in the equations."""
+
+
+class Series:
+    """Variables of cases over the same steps, each an attribute of shape (cases, steps).
+
+    Args:
+        cases: either all in a free stream or none, and likewise with something that moves; all of as many modes.
+        sections: their modes.
+        motion: as a march samples it, shape (cases, steps, COLUMNS).
+        steps: numbers of the steps, which follow each other.
+        q: amplitude, rate and acceleration of the modes, shape (cases, steps, 3, modes).
+        modal_force: shape (cases, steps, modes).
+        force: shape (cases, steps, 4), see `taichiflap.march.state`.
+        scales: the reference values of the cases, if they are known.
+    """
+
+    def __init__(
+        self, cases: Sequence[Case], sections: Sequence[Modes], motion: Array, steps: NDArray[np.int64], q: Array,
+        modal_force: Array, force: Array, scales: Sequence[Reference] | None = None,
+    ) -> None:  # fmt: skip
+        self.cases, self.sections = cases, sections
+        self.scales = [reference(case) for case in cases] if scales is None else scales
+        self._motion, self._steps, self._q, self._modal_force, self._force = motion, steps, q, modal_force, force
+
+    @classmethod
+    def of(cls, case: Case, section: Modes, motion: Array, frames: Mapping[str, Any]) -> "Series":
+        """The variables of one case over a block of steps.
+
+        Args:
+            motion: sampled motion at every step, shape (steps + 1, COLUMNS).
+            frames: arrays that `March.advance` returned for the case.
+        """
+        steps = frames["step"]
+        moved = motion[steps[0] : steps[-1] + 1] if len(steps) else motion[:0]
+        state = (frames[name][None] for name in ("q", "modal_force", "force"))
+        return cls([case], [section], moved[None], steps, *state)
+
+    @property
+    def variables(self) -> list[str]:
+        """Names of the variables."""
+        streams = self.cases[0].fluid.streams
+        found = [*ALWAYS, *(STREAMING if streams else ())]
+        if self.scales[0].force:
+            found += [*COEFFICIENTS, *(OF_STREAM if streams else ())]
+        return found
+
+    def alone(self, name: str) -> Array:
+        """A variable of the first case, shape (steps,)."""
+        values: Array = getattr(self, name)
+        return values[0]
+
+    @functools.cached_property
+    def moved(self) -> Array:
+        """Columns of the motion, shape (COLUMNS, cases, steps)."""
+        return np.ascontiguousarray(np.moveaxis(self._motion, -1, 0))
+
+    @functools.cached_property
+    def state(self) -> Array:
+        """Amplitudes, rates and accelerations, shape (3, modes, cases, steps)."""
+        return np.ascontiguousarray(self._q.transpose(2, 3, 0, 1))
+
+    @functools.cached_property
+    def loads(self) -> Array:
+        """Columns of the force, shape (4, cases, steps)."""
+        return np.ascontiguousarray(np.moveaxis(self._force, -1, 0))
+
+    @functools.cached_property
+    def section(self) -> Any:
+        """Numbers of all sections: of shape (cases, 1), or of every mode, (modes, cases, 1)."""
+        return SimpleNamespace(**{name: _stacked(getattr(one, name) for one in self.sections) for name in CONSTANTS})
+
+    @functools.cached_property
+    def time(self) -> Array:
+        return _stacked(case.step for case in self.cases) * self._steps
+
+    @property
+    def plunge(self) -> Array:
+        return self.moved[PLUNGE]
+
+    @property
+    def surge(self) -> Array:
+        return self.moved[SURGE]
+
+    @property
+    def pitch(self) -> Array:
+        return self.moved[PITCH]
+
+    @functools.cached_property
+    def tip_deflection(self) -> Array:
+        return weighted(_stacked(one.tip for one in self.sections), self.state[AMPLITUDE])
+
+    @property
+    def force_normal(self) -> Array:
+        return self.loads[NORMAL]
+
+    @property
+    def force_axial(self) -> Array:
+        return self.loads[AXIAL]
+
+    @property
+    def force_normal_unsteady(self) -> Array:
+        return self.loads[UNSTEADY]
+
+    @property
+    def moment(self) -> Array:
+        return self.loads[MOMENT]
+
+    @functools.cached_property
+    def force_y(self) -> Array:
+        return self.force_axial * self.moved[COSINE] - self.force_vertical_normal
+
+    @functools.cached_property
+    def force_z(self) -> Array:
+        return self.force_axial * self.moved[SINE] + self.force_normal * self.moved[COSINE]
+
+    @functools.cached_property
+    def force_vertical(self) -> Array:
+        return -self.force_y
+
+    @functools.cached_property
+    def force_vertical_normal(self) -> Array:
+        return self.force_normal * self.moved[SINE]
+
+    @functools.cached_property
+    def _in_stream(self) -> tuple[Array, Array]:
+        each = zip(self.cases, self.force_y, self.force_z, strict=True)
+        lift, thrust = zip(*(in_stream(case, y, z) for case, y, z in each), strict=True)
+        return np.array(lift), np.array(thrust)
+
+    @property
+    def lift(self) -> Array:
+        return self._in_stream[0]
+
+    @property
+    def thrust(self) -> Array:
+        return self._in_stream[1]
+
+    @functools.cached_property
+    def power_aerodynamic(self) -> Array:
+        moved = self.moved
+        along = self.force_z * moved[PLUNGE_RATE] + self.moment * moved[PITCH_RATE]
+        return -(along + self.force_y * moved[SURGE_RATE])
+
+    @functools.cached_property
+    def power_inertial(self) -> Array:
+        return inertial_power(self.section, self.moved, self.state)
+
+    @functools.cached_property
+    def power(self) -> Array:
+        return self.power_aerodynamic + self.power_inertial
+
+    @functools.cached_property
+    def power_net(self) -> Array:
+        """Inertial power and the fluid's power on the deformation, less what damping dissipates."""
+        rates = self.state[RATE]
+        by_fluid = summed(np.ascontiguousarray(self._modal_force.transpose(2, 0, 1)) * rates)
+        damped = weighted(2.0 * self.section.damping_ratio * self.section.omega, rates * rates)
+        return self.power_inertial + by_fluid - damped
+
+    @functools.cached_property
+    def energy(self) -> Array:
+        return mechanical_energy(self.section, self.moved, self.state)
+
+    @functools.cached_property
+    def angle_of_attack(self) -> Array:
+        each = zip(self.cases, np.moveaxis(self.moved, 0, -1), strict=True)
+        return np.array([angle_of_attack(case.fluid.velocity, moved) for case, moved in each])
+
+    @functools.cached_property
+    def _reference_force(self) -> Array:
+        return _stacked(scale.force for scale in self.scales)
+
+    @functools.cached_property
+    def lift_coefficient(self) -> Array:
+        """Of the lift, in hover of the vertical force."""
+        return (self.lift if self.cases[0].fluid.streams else self.force_vertical) / self._reference_force
+
+    @functools.cached_property
+    def power_coefficient(self) -> Array:
+        return self.power / _stacked(scale.power for scale in self.scales)
+
+    @functools.cached_property
+    def thrust_coefficient(self) -> Array:
+        return self.thrust / self._reference_force
+
+    @functools.cached_property
+    def drag_coefficient(self) -> Array:
+        return -self.thrust_coefficient
+
+
+def _stacked(values: Iterable[Any]) -> Array:
+    """A number of each case, shape (cases, 1), or one of every mode, (modes, cases, 1)."""
+    return np.array([*values]).T[..., None]
+
+
+def inertial_power(section: Any, motion: Array, state: Array) -> Array:
+    """Inertial power (W) of the actuator at the pivot, shape (...).
+
+    The generalised inertia forces of plunge, pitch and surge are Lagrange's, from the kinetic energy of the paper's
+    Appendix A (whose T6 lacks its factor thetadot) with surge added, times the rates.
+
+    Args:
+        section: the modes, see `Series.section`.
+        motion: columns of the sampled motion, shape (COLUMNS, ...).
+        state: modal state, shape (3, modes, ...).
+    """
+    _, rate, accel, _, theta_rate, theta_accel, _, surge_rate, surge_accel, cosine, sine = motion
+    q, q_rate, q_accel = state
+    lifted, lifted_rate, lifted_accel = (weighted(section.lam, row) for row in (q, q_rate, q_accel))
+    along = section.mass * accel + section.first_moment * (theta_accel * cosine - theta_rate**2 * sine)
+    along += cosine * lifted_accel - 2.0 * theta_rate * sine * lifted_rate
+    along -= (theta_accel * sine + theta_rate**2 * cosine) * lifted
+    around = (section.second_moment + summed(q * q)) * theta_accel + 2.0 * theta_rate * summed(q * q_rate)
+    around += accel * (section.first_moment * cosine - sine * lifted) + weighted(section.psi, q_accel)
+    around -= surge_accel * (section.first_moment * sine + cosine * lifted)
+    down = section.mass * surge_accel - section.first_moment * (theta_accel * sine + theta_rate**2 * cosine)
+    down -= sine * lifted_accel + 2.0 * theta_rate * cosine * lifted_rate
+    down -= (theta_accel * cosine - theta_rate**2 * sine) * lifted
+    return along * rate + around * theta_rate + down * surge_rate
+
+
+def mechanical_energy(section: Any, motion: Array, state: Array) -> Array:
+    """Kinetic plus elastic energy (J) of the wing: Eqs 9-10 with the paper's Appendix A, and surge.
+
+    Arguments as of `inertial_power`.
+    """
+    _, rate, _, _, theta_rate, _, _, surge_rate, _, cosine, sine = motion
+    q, q_rate, _ = state
+    kinetic = 0.5 * (section.mass * rate**2 + section.second_moment * theta_rate**2 + summed(q_rate * q_rate))
+    kinetic += 0.5 * theta_rate**2 * summed(q * q)
+    kinetic += section.first_moment * rate * theta_rate * cosine
+    kinetic += rate * (cosine * weighted(section.lam, q_rate) - theta_rate * sine * weighted(section.lam, q))
+    kinetic += theta_rate * weighted(section.psi, q_rate)
+    turned = section.first_moment * sine + cosine * weighted(section.lam, q)
+    kinetic += surge_rate * (
+        0.5 * section.mass * surge_rate - theta_rate * turned - sine * weighted(section.lam, q_rate)
+    )
+    return kinetic + 0.5 * weighted(section.omega**2, q * q)
+
+
+def weighted(weights: Array, modes: Array) -> Array:
+    """`sum_k weights_k modes_k`, added in order, since the rounding of a matrix product depends on the number of
+    steps.
+
+    Args:
+        modes: values of each mode, shape (modes, ...).
+    """
+    if not len(modes):
+        return np.zeros(modes.shape[1:])
+    total = weights[0] * modes[0]
+    for weight, values in zip(weights[1:], modes[1:], strict=True):
+        total += weight * values
+    return total
+
+
+def summed(modes: Array) -> Array:
+    """The sum over the modes, added in order."""
+    return weighted(np.ones(len(modes)), modes)
