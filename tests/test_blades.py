@@ -12,8 +12,8 @@ from taichiflap.case.case import CaseError, parse_case
 from taichiflap.fluids.dbet import added_mass, attached, elements
 from taichiflap.fluids.dbet.elements import AREA, PRESSURE, SHEAR
 from taichiflap.kernels.runtime import view
-from taichiflap.march.series import Series
 from taichiflap.march import march as marching
+from taichiflap.march.series import Series
 from taichiflap.march.state import AXIAL, MOMENT, NORMAL, UNSTEADY
 from taichiflap.structure import beam
 from taichiflap.validation import elastic

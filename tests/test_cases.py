@@ -9,8 +9,7 @@ import taichiflap
 from taichiflap import theory
 from taichiflap.case.case import parse_case
 from taichiflap.case.uvlm import Uvlm
-from taichiflap.metrics import beats
-from taichiflap.metrics import summary as metrics
+from taichiflap.metrics import beats, waves
 
 pytestmark = pytest.mark.slow
 
@@ -55,7 +54,7 @@ def test_case(name):
 def test_the_plunging_foils_lift_is_theodorsens():
     result = simulated("plunging_foil")
     frames = beats.settled_beats(result).frames
-    lift = metrics.harmonic(result.case, result.time[frames], result.force_z[frames])
+    lift = waves.harmonic(result.case, result.time[frames], result.force_z[frames])
     lift /= 0.5 * 998.0 * 0.2**2 * 0.1 * 0.4
     exact, _ = theory.oscillating_loads(0.393, plunge=0.5)
     # Linear theory, and half a chord is no small amplitude.

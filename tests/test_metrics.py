@@ -13,6 +13,7 @@ from taichiflap.commands import summary as report
 from taichiflap.march.reference import reference
 from taichiflap.metrics import names as quantities
 from taichiflap.metrics import summary as metrics
+from taichiflap.metrics import waves
 from taichiflap.metrics.beats import settled_beats, whole_beats
 from taichiflap.metrics.similarity import Similarity
 from taichiflap.metrics.uncertainty import standard_errors
@@ -229,8 +230,8 @@ def test_harmonics_are_recovered_exactly():
     case = hawkmoth()
     time = case.step * np.arange(1, 401)
     values = 2.0 * np.cos(50 * np.pi * time + 0.3) + 0.5 * np.cos(150 * np.pi * time - 1.0) + 7.0
-    assert metrics.harmonic(case, time, values) == pytest.approx(2.0 * np.exp(0.3j))
-    assert metrics.harmonic(case, time, values, 3) == pytest.approx(0.5 * np.exp(-1j))
+    assert waves.harmonic(case, time, values) == pytest.approx(2.0 * np.exp(0.3j))
+    assert waves.harmonic(case, time, values, 3) == pytest.approx(0.5 * np.exp(-1j))
 
 
 def test_harmonics_of_a_summary_are_those_of_its_settled_beats():
@@ -277,7 +278,7 @@ def test_a_peak_at_the_end_of_the_last_beat_is_at_time_0(frequency):
 
 @pytest.mark.parametrize(("beats", "after"), [(0.0, 0.0), (0.115, 0.115), (0.5, 0.0), (7.63, 0.13)])
 def test_reversal_of_the_papers_stroke_is_at_0_and_a_half(beats, after):
-    assert metrics.after_reversal(hawkmoth(), beats) == pytest.approx(after)
+    assert waves.after_reversal(hawkmoth(), beats) == pytest.approx(after)
 
 
 def test_reversals_a_few_steps_apart_are_told_apart():
@@ -291,9 +292,9 @@ def test_reversals_a_few_steps_apart_are_told_apart():
         rising = sampling.sample(case.motion, beats * case.beat)[:, sampling.PLUNGE_RATE] > 0.0
         expected = beats[np.flatnonzero(rising[1:] != rising[:-1])]
         assert len(expected) >= least
-        np.testing.assert_allclose(metrics.reversals(case, 0.0, 1.0), expected, rtol=0, atol=2.1e-5)
+        np.testing.assert_allclose(waves.reversals(case, 0.0, 1.0), expected, rtol=0, atol=2.1e-5)
         for turn, other in pairwise(expected):
-            assert metrics.after_reversal(case, 0.5 * (turn + other)) == pytest.approx(0.5 * (other - turn), abs=4e-5)
+            assert waves.after_reversal(case, 0.5 * (turn + other)) == pytest.approx(0.5 * (other - turn), abs=4e-5)
 
 
 @pytest.mark.parametrize("phase", [0.0, 37.0, 90.0, -200.0])
@@ -308,13 +309,13 @@ def test_reversals_a_few_steps_apart_are_told_apart():
 def test_reversals_are_the_zeros_of_the_plunge_velocity(plunge, phase):
     case = hawkmoth(f"motion.plunge={plunge % phase}")
     expected = (0.25 - phase / 360.0) % 0.5 + 0.5 * np.arange(7)
-    found = metrics.reversals(case, 0.0, 3.2)
+    found = waves.reversals(case, 0.0, 3.2)
     np.testing.assert_allclose(found, expected[: len(found)], atol=1e-12)
     assert 6 <= len(found) <= 7
 
 
 def test_a_start_up_moves_the_first_reversals_and_no_later_ones():
-    plain, grown = (metrics.reversals(hawkmoth(*s), 0.0, 5.0) for s in ((), ("motion.start_up_periods=2.0",)))
+    plain, grown = (waves.reversals(hawkmoth(*s), 0.0, 5.0) for s in ((), ("motion.start_up_periods=2.0",)))
     np.testing.assert_allclose(grown[-6:], plain[-6:], atol=1e-12)
     early = grown[(grown > 0.1) & (grown < 0.9)]
     assert np.abs(early[:, None] - plain).min() > 0.01
@@ -534,7 +535,7 @@ def test_beats_are_the_frames_after_their_start_up_to_their_end(every, rng):
 def test_reversals_of_ever_squarer_strokes_are_found_to_round_off(sharpness):
     plunge = f"{{kind='trapezoid', sharpness={sharpness}, amplitude=0.02, phase_deg=17.0}}"
     case = hawkmoth(f"motion.plunge={plunge}", "motion.start_up_periods=0.5")
-    found = metrics.reversals(case, 1.0, 3.0)
+    found = waves.reversals(case, 1.0, 3.0)
     np.testing.assert_allclose(found, (0.25 - 17.0 / 360.0) + 0.5 * np.arange(2, 6), atol=1e-12)
 
 

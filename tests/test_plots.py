@@ -18,6 +18,7 @@ from taichiflap import cli
 from taichiflap.drawing import palette, scene
 from taichiflap.errors import UserError
 from taichiflap.metrics import summary as metrics
+from taichiflap.metrics import waves
 from taichiflap.metrics.beats import Beats
 from taichiflap.plots import result as plots
 from taichiflap.plots import style
@@ -198,10 +199,10 @@ def test_the_page_ends_near_the_wing_and_its_colours_are_of_what_it_shows(lattic
 
 
 def test_reversals_are_where_the_plunge_turns(lattice):
-    turns = metrics.reversals(lattice.case, 0.0, 1.0)
+    turns = waves.reversals(lattice.case, 0.0, 1.0)
     np.testing.assert_allclose(turns, [0.0, 0.5, 1.0], atol=1e-12)
     for turn in turns:
-        assert metrics.after_reversal(lattice.case, turn) == pytest.approx(0.0, abs=1e-9)
+        assert waves.after_reversal(lattice.case, turn) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_plot_writes_figures_that_name_no_machine(lattice, blades, tmp_path, capsys):

@@ -14,7 +14,7 @@ from test_reports import REPRODUCTION, rows
 import taichiflap
 from taichiflap.files import OutputError
 from taichiflap.metrics.beats import settled_beats
-from taichiflap.metrics.summary import harmonic
+from taichiflap.metrics.waves import harmonic
 from taichiflap.published import page
 from taichiflap.published.reade2020 import literal, paper, plan, reproduce, rigid_lattice
 from taichiflap.published.reade2020.paper import Settings

@@ -15,8 +15,10 @@ from taichiflap.drawing import flow, scene
 from taichiflap.drawing.orientation import INERTIAL, WING, Orientation, Standpoint
 from taichiflap.errors import UserError
 from taichiflap.fluids.interface import FlowField, Velocity
-from taichiflap.metrics.summary import Summary, in_stream, reversals, summarise
+from taichiflap.metrics.summary import Summary, summarise
+from taichiflap.metrics.waves import reversals
 from taichiflap.motion import sampling
+from taichiflap.motion.stream import in_stream
 from taichiflap.results.reader import ResultError
 
 from .frame import Array, Frame

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import files
 from ..drawing import flow, palette, scene
 from ..drawing.orientation import INERTIAL
-from ..metrics.summary import reversals
+from ..metrics.waves import reversals
 from ..notation import prefixed
 from ..results.reader import Result
 

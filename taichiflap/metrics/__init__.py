@@ -7,11 +7,11 @@ __getattr__ = lazy(
     {
         "Statistic": "summary",
         "Summary": "summary",
-        "after_reversal": "summary",
-        "harmonic": "summary",
-        "harmonics": "summary",
+        "after_reversal": "waves",
+        "harmonic": "waves",
+        "harmonics": "waves",
         "in_stream": "summary",
-        "reversals": "summary",
+        "reversals": "waves",
         "summarise": "summary",
     },
 )

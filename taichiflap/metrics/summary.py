@@ -1,6 +1,5 @@
 """Summary of a run: means over its settled beats and their spread, harmonics and phase, peaks, power."""
 
-import functools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..case.case import Case
-from ..case.motion import Travel
 from ..march.reference import Reference, reference
 from ..motion import sampling
 from ..motion.stream import in_stream
@@ -18,15 +16,12 @@ from ..results.reader import Result
 from .beats import Beats, transient, whole_beats
 from .similarity import Similarity
 from .uncertainty import standard_errors
+from .waves import after_reversal, exponentials, exponentials_at_steps, phase, project
 
 REPEATS_WITHIN = 0.01
 """A run is settled if the mean forces of its beats agree within this share of the root-mean-square force."""
 FEWEST_BEATS = 3
 """Minimum number of settled beats for this test."""
-MOMENTS = 512
-"""Number of times per beat at which the motion is sampled."""
-RESOLVED = 1e-12
-"""Difference (beats) below which two times count as equal."""
 FIRST_MODE = 0.25
 """Mean over the chord of the squared first mode of a clamped plate, with tip value 1."""
 GRAVITY = 9.80665
@@ -294,7 +289,7 @@ def _summaries(runs: Some) -> list[Summary]:
             settled=len(beats) >= FEWEST_BEATS and max(drift, spread) <= REPEATS_WITHIN if periodic else None,
             force_drift=drift,
             force_spread=spread,
-            force_normal_phase=_phase(case, float(time[runs.frames][-1]), waves[b]["force_normal"][0])
+            force_normal_phase=phase(case, float(time[runs.frames][-1]), waves[b]["force_normal"][0])
             if waves[b] else None,
             tip_peak_time=_fraction(peak_times[b]) if periodic else peak_times[b],
             tip_peak_after_reversal=after_reversal(*after),
@@ -425,92 +420,14 @@ def _unrest(forces: Array, sizes: Array) -> list[tuple[float, float]]:
     return [(drift / size, spread / size) if size else (0.0, 0.0) for drift, spread, size in each]
 
 
-def harmonics(case: Case, time: Array, values: Array, count: int) -> NDArray[np.complex128]:
-    """Complex amplitudes `a_n`, n = 1 ... count, over whole beats: `values` holds `Re(a_n exp(2 pi i n f t))`.
-
-    Args:
-        values: values at `time`, along the last axis.
-
-    Returns:
-        Shape (count, ...), with the other axes of `values`.
-    """
-    return _project(values, _turns(case.beat, time, count))
-
-
-def _turns(beat: float, time: Array, count: int) -> tuple[Array, Array]:
-    """Real and imaginary part of `exp(-2 pi i n f t)`, n = 1 ... count, each of shape (count, times)."""
-    angle = 2.0 * math.pi / beat * time
-    turn = np.cos(angle) - 1j * np.sin(angle)
-    powers = np.empty((count, len(time)), np.complex128)
-    powers[0] = turn
-    for n in range(1, count):
-        np.multiply(powers[n - 1], turn, out=powers[n])
-    return powers.real.copy(), powers.imag.copy()
-
-
-@functools.lru_cache(maxsize=32)
-def _turns_at_steps(beat: float, step: float, first: int, last: int) -> tuple[Array, Array]:
-    """Those of the harmonics of a summary at some steps; the cases of a study have them in common."""
-    return _turns(beat, step * np.arange(first, last, dtype=np.float64), ORDERS)
-
-
-def _project(values: Array, turns: tuple[Array, Array]) -> NDArray[np.complex128]:
-    # Real and imaginary part apart: einsum's sums of real numbers are several times faster, and need no BLAS,
-    # whose rounding goes by the number of its threads.
-    real, imaginary = (np.einsum("...t,nt->n...", values, part) for part in turns)
-    return (real + 1j * imaginary) * (2.0 / values.shape[-1])
-
-
-def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:
-    """Complex amplitude of one harmonic of a series; see `harmonics`."""
-    return complex(harmonics(case, time, values, order)[-1])
-
-
-def reversals(case: Case, first: float, last: float) -> Array:
-    """Times (beats) of stroke reversal from `first` to `last`, where the velocity along the stroke changes sign."""
-    step = case.beat / MOMENTS if case.periodic else case.step
-    return sampling.reversals(case.motion, first * case.beat, last * case.beat, step) / case.beat
-
-
-def after_reversal(case: Case, beats: float) -> float | None:
-    """Time (beats) since the last stroke reversal; None if there was none within a beat."""
-    # Of whole beats: the cases of a study have them in common.
-    whole = math.floor(beats) if case.periodic else 0
-    found = reversals(case, max(whole - 1, 0), whole + 1)
-    before = found[(found > beats - 1.0 - RESOLVED) & (found < beats + RESOLVED)]
-    return max(0.0, beats - float(before[-1])) if len(before) else None
-
-
 def _waves(runs: Some) -> list[dict[str, list[complex]]]:
     case, frames = runs.case, runs.frames
     if _has_every_step(case, runs.time):
-        turns = _turns_at_steps(case.beat, case.step, frames.start, frames.stop)
+        turns = exponentials_at_steps(case.beat, case.step, frames.start, frames.stop, ORDERS)
     else:
-        turns = _turns(case.beat, runs.time[frames], ORDERS)
-    found = _project(np.stack([runs.within(name) for name in WAVING], axis=1), turns)
+        turns = exponentials(case.beat, runs.time[frames], ORDERS)
+    found = project(np.stack([runs.within(name) for name in WAVING], axis=1), turns)
     return [dict(zip(WAVING, waves, strict=True)) for waves in found.transpose(1, 2, 0).tolist()]
-
-
-def _phase(case: Case, last: float, force: complex) -> float | None:
-    """Phase lead (degrees) of a first harmonic, up to the time `last` (s), over that of the driving motion."""
-    driver = _driver(case, round(last / case.beat))
-    return None if driver is None else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
-
-
-def _driver(case: Case, count: int) -> complex | None:
-    """First harmonic of the plunge (or of the pitch, without plunge) in the last of `count` beats."""
-    moves = case.motion
-    firsts = (_swing(axis, moves.frequency, moves.growth, case.beat, count) for axis in (moves.stroke, moves.pitch))
-    return next((first for first in firsts if first), None)
-
-
-@functools.lru_cache(maxsize=256)
-def _swing(axis: Travel, frequency: float | None, growth: float, beat: float, count: int) -> complex:
-    """First harmonic of plunge or pitch in the last of `count` beats; zero if it is only round-off."""
-    turns = count - np.arange(MOMENTS) / MOMENTS
-    moved = sampling.sample_axis(axis, frequency, growth, beat * turns)[:, 0]
-    first = complex(2.0 * np.mean(moved * np.exp(-2j * math.pi * turns)))
-    return first if abs(first) > sampling.NOISE * np.abs(moved).max() else 0j
 
 
 def _fraction(value: float) -> float:

@@ -13,8 +13,10 @@ from matplotlib.lines import Line2D
 
 from ..drawing import palette, scene
 from ..errors import UserError
-from ..metrics.summary import in_stream, reversals, summarise
+from ..metrics.summary import summarise
+from ..metrics.waves import reversals
 from ..motion.sampling import PLUNGE_RATE, sample
+from ..motion.stream import in_stream
 from ..notation import prefixed
 from ..results.reader import Result
 from . import style

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...case.case import Case
 from ...fluids.dbet import elements
 from ...metrics.beats import settled_beats
-from ...metrics.summary import harmonic
+from ...metrics.waves import harmonic
 from ...motion import sampling
 from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE
 from ...results.reader import Result

@@ -14,7 +14,8 @@ from ... import fluids
 from ...case.case import Case
 from ...errors import UserError
 from ...metrics.beats import settled_beats
-from ...metrics.summary import Summary, harmonic, summarise
+from ...metrics.summary import Summary, summarise
+from ...metrics.waves import harmonic
 from ...results.reader import Result
 from ...run.blocks import simulate
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ... import files
 from ...case.case import Case, parse_case
 from ...metrics.beats import settled_beats
-from ...metrics.summary import harmonic
+from ...metrics.waves import harmonic
 from ...run.blocks import simulate
 from . import paper
 from .measured import StudyError
