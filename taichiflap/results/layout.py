@@ -1,7 +1,7 @@
 """Layout of a result file: everything has its full length from the start."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -40,13 +40,13 @@ class Contents:
         outputs: stored variables of the fluid model, by name; ragged ones are named `GROUP/NAME`.
         axes: values and descriptions of its additional axes.
         room: length of every ragged axis.
-        nearest: the scored cases nearest to the case, as text.
+        nearest: function that returns the scored cases nearest to the case, as text.
     """
 
     outputs: Mapping[str, Variable] = field(default_factory=dict)
     axes: Mapping[str, tuple[np.ndarray, Variable]] = field(default_factory=dict)
     room: Mapping[str, int] = field(default_factory=dict)
-    nearest: str = ""
+    nearest: Callable[[], str] = str
 
 
 def plan(sample: Sample, contents: Contents) -> dict[str, Variable]:
@@ -118,7 +118,7 @@ def words(case: Case, began: float, contents: Contents) -> dict[str, str]:
         "source": f"taichiflap {__version__}",
         "history": f"{when} computed with taichiflap {__version__}",
         "case": case.to_toml(),
-        "nearest_scored": contents.nearest,
+        "nearest_scored": contents.nearest(),
     }
 
 

@@ -235,7 +235,7 @@ def _contents(fluid: Model, case: Case) -> Contents:
         for name, axis in fluid.axes(case).items()
     }
     outputs = {one.name: one.variable for one in fluid.stored(case)}
-    return Contents(outputs, axes, fluid.totals(case), nearest.sentence(case))
+    return Contents(outputs, axes, fluid.totals(case), functools.partial(nearest.sentence, case))
 
 
 def _block(cases: Sequence[Case], fluid: Model, first: int, most: float) -> tuple[int, float]:
