@@ -70,6 +70,24 @@ def test_three_results_have_three_colours_and_a_width_of_ones_own(lattice, blade
     assert all(one.name.endswith(".pdf") for one in plots.plot(results, tmp_path / "three.pdf", width=5.0))
 
 
+@pytest.mark.parametrize("width", [60.0, 85.0, 180.0])
+def test_every_text_lies_within_the_figure(lattice, blades, width):
+    """In one column of a journal, too: panels stand one above the other, and long names take several lines."""
+    inches = width / 25.4
+    wings = [plots.wing(one, width=inches) for one in (lattice, blades)]
+    for figure in (plots.summary([lattice, blades], width=inches), *wings):
+        figure.draw_without_rendering()
+        page = figure.bbox.padded(1.0)
+        # Ticks beyond an axis have labels that are not drawn.
+        ticks = {label for ax in figure.axes for label in (*ax.get_xticklabels(), *ax.get_yticklabels())}
+        texts = [one for one in figure.findobj(Text) if one.get_text() and one not in ticks]
+        assert len(texts) > 10
+        for text in texts:
+            box = text.get_window_extent()
+            assert page.x0 <= box.x0 <= box.x1 <= page.x1, text.get_text()
+            assert page.y0 <= box.y0 <= box.y1 <= page.y1, text.get_text()
+
+
 def test_the_summary_holds_the_last_beat_of_both_results(lattice, blades):
     figure = plots.summary([lattice, blades])
     for ax, (label, unit, series) in zip(figure.axes, plots.panels([lattice, blades]), strict=True):

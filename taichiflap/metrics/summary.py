@@ -22,6 +22,8 @@ REPEATS_WITHIN = 0.01
 """A run is settled if the mean forces of its beats agree within this share of the root-mean-square force."""
 FEWEST_BEATS = 3
 """Minimum number of settled beats for this test."""
+SAME = 1e-6
+"""Standard error, as a share of the mean, below which beats are printed as equal."""
 FIRST_MODE = 0.25
 """Mean over the chord of the squared first mode of a clamped plate, with tip value 1."""
 GRAVITY = 9.80665
@@ -57,8 +59,9 @@ class Statistic:
         return Statistic(self.mean / scale, self.spread / scale, error)
 
     def shown(self, factor: float, digits: int = 4) -> str:
-        """The mean times a factor as text, with its standard error if it has one."""
-        error = f" ± {factor * self.error:.2g}" if self.error else ""
+        """The mean times a factor as text, with its standard error if it has one and the beats differ."""
+        known = self.error or 0.0
+        error = f" ± {factor * known:.2g}" if known > SAME * abs(self.mean) else ""
         return f"{factor * self.mean:.{digits}g}{error}"
 
     @classmethod

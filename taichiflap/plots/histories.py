@@ -35,8 +35,10 @@ STYLES: Any = (("total", "-"), ("aerodynamic", "--"), ("inertial", ":"))
 """The power and its parts: name and line style."""
 PREFIXED = ("m", "N", "W", "N m", "J", "Pa")
 """Units that are scaled by a prefix to suit the values."""
-ROW, BESIDE = 2.2, 0.5
-"""Height of a row of panels, and of the rest of the figure, inches."""
+ROW, LOW_ROW, BESIDE = 2.2, 1.75, 0.5
+"""Height of a row of panels, of one in a narrow figure, and of the rest of the figure, inches."""
+KEY = 0.55
+"""Width of a legend's line and margins, inches."""
 COLUMN = 3
 """Maximum number of panels in one column; more are drawn in two columns."""
 LONG = 30
@@ -64,10 +66,11 @@ def summary(
     for result in results:
         scene.last_steps(result)
     shown = chosen(results, metrics) if metrics else panels(results)
-    columns = 1 if len(shown) <= COLUMN else 2
+    columns = 1 if len(shown) <= COLUMN or width < style.NARROW else 2
     rows = math.ceil(len(shown) / columns)
+    row = LOW_ROW if width < style.NARROW else ROW
     with mpl.rc_context(style.current()):
-        figure = Figure(figsize=(width, ROW * rows + BESIDE), layout="constrained")
+        figure = Figure(figsize=(width, row * rows + BESIDE), layout="constrained")
         axes = list(figure.subplots(rows, columns, sharex=True, squeeze=False).flat)
         handles, names = [], _names(results)
         units = [_unit(results, panel, beats) for panel in shown]
@@ -85,12 +88,14 @@ def summary(
                 for variable, (_, line) in zip(series, STYLES, strict=False):
                     thick = 1.3 if line == "-" else 1.0
                     ax.plot(turns, factor * _last(result, variable, beats), line, color=colour, linewidth=thick)
-            handles.append(Line2D([], [], color=colour, label=f"{names[number]}{_mean_force(result)}"))
+            text = style.wrapped(f"{names[number]}{_mean_force(result)}", width - KEY)
+            handles.append(Line2D([], [], color=colour, label=text))
         for letter, ax, (label, _, series), (_, unit) in zip(
             "abcdefghijklmnopqrstuvwxyz", axes, shown, units, strict=False
         ):
             _shade(ax, results[0], length, many)
-            ax.set(ylabel=f"{label} ({unit})" if unit else label, xlim=(0.0, many * length))
+            named = f"{label} ({unit})" if unit else label
+            ax.set(ylabel=style.wrapped(named, 0.8 * row), xlim=(0.0, many * length))
             ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
             if len(shown) > 1:
                 ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
@@ -99,7 +104,8 @@ def summary(
                 low, high = ax.get_ylim()
                 ax.set_ylim(low, high + 0.14 * (high - low))
                 key = [Line2D([], [], linestyle=line, color=palette.LIGHT.ink, label=name) for name, line in STYLES]
-                ax.legend(handles=key, loc="upper center", ncols=3, handlelength=1.9, columnspacing=1.2)
+                handle, gap = (1.5, 0.8) if width < style.NARROW else (1.9, 1.2)
+                ax.legend(handles=key, loc="upper center", ncols=3, handlelength=handle, columnspacing=gap)
         for ax in axes[len(shown) :]:
             ax.set_axis_off()
         for ax in axes[max(len(shown) - columns, 0) : len(shown)]:
@@ -179,7 +185,8 @@ def _mean_force(result: Result) -> str:
         return ""
     name, force = ("thrust", settled.thrust) if settled.thrust else ("vertical force", settled.force_vertical)
     factor, unit = prefixed(force.mean, "N")
-    return f": mean {name} {force.shown(factor, 3)} {unit}".replace("-", "−")
+    value = f"{force.shown(factor, 3)} {unit}".replace("-", "−").replace(" ", "\N{NO-BREAK SPACE}")
+    return f": mean {name} {value}"
 
 
 def _shade(ax: Any, result: Result, length: float, beats: int) -> None:

@@ -25,6 +25,8 @@ __all__ = ["panels", "plot", "summary", "wing"]
 POINTS = 72
 """Points per inch."""
 INSTANTS = 8
+LINE = 0.26
+"""Height of a line of the heading, inches."""
 ARROWS = 9
 """Number of load arrows along a chord."""
 ACROSS = 320
@@ -97,15 +99,22 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH, reference: 
     dotted = any(len(frame.wake) for frame in frames)
     many = sum(len(frame.wake) for frame in frames) > MANY_DOTS
     left, right, bottom, top = (1e3 * edge for edge in shared.page)
-    columns = INSTANTS // 2
-    cell = (width - (1.75 if dotted or backdrop else 0.6)) / columns - 0.1
+    narrow = width < style.NARROW
+    rows, columns = (4, 2) if narrow else (2, 4)
+    title = f"{scene.label(result)}, {result.case.model}{f': beat {beat + 1}' if result.case.periodic else ''}"
+    lines = style.wrapped(title, width) if narrow else title
+    coloured = bool(dotted or backdrop)
+    beside = 1.75 if coloured and not narrow else 0.6
+    cell = (width - beside) / columns - 0.1
     size = POINTS * cell * 1e3 * chord / (right - left)
-    height = min(2.0 * cell * (top - bottom) / (right - left) + 1.15, 9.0)
-    head = 1.0 - 0.13 / height
-    layout = ConstrainedLayoutEngine(compress=True, rect=(0.0, 0.0, 1.0, 1.0 - 0.26 / height))
+    # Of a narrow figure the key to the arrows is below the title, and that to the colours below the panels.
+    heading = LINE * (1 + narrow * (1 + lines.count("\n")))
+    height = rows * (cell * (top - bottom) / (right - left) + 0.22) + 0.45 + heading
+    height = min(height + 0.6 * (narrow and coloured), 9.0)
+    layout = ConstrainedLayoutEngine(compress=True, rect=(0.0, 0.0, 1.0, 1.0 - heading / height))
     with mpl.rc_context(style.current()):
         figure = Figure(figsize=(width, height), layout=layout)
-        axes = figure.subplots(2, columns, sharex=True, sharey=True, squeeze=False)
+        axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for ax, frame in zip(axes.flat, frames, strict=True):
             dots = _draw_wake(ax, frame, shared, size, many, sheets) if dotted else None
             if backdrop:
@@ -127,26 +136,37 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH, reference: 
         else:
             factor, unit = prefixed(shared.force, "N")
             text, size = f"{factor * shared.force:g} {unit}, force of the fluid", shared.force
-            _draw_key(figure, axes, dots, backdrop is not None, shared.saturated, sheets)
-        title = f"{scene.label(result)}, {result.case.model}{f': beat {beat + 1}' if result.case.periodic else ''}"
-        figure.text(0.01, head, title, va="center", fontsize=8.5)
-        axes[0, 0].quiverkey(
-            arrows, 0.94, head, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5}
-        )
+            place = "bottom" if narrow else "right"
+            _draw_key(figure, axes, dots, backdrop is not None, shared.saturated, sheets, place)
+        _draw_heading(figure, axes[0, 0], lines, heading / height, arrows, size, text)
     return figure
 
 
-def _draw_key(figure: Figure, axes: Any, drawn: Any, flows: bool, saturated: bool, sheets: bool) -> None:
+def _draw_heading(figure: Figure, ax: Any, lines: str, share: float, arrows: Any, size: float, text: str) -> None:
+    """The title, and what an arrow stands for: beside it, or below it in a narrow figure.
+
+    Args:
+        share: the heading's share of the figure's height.
+        size, text: force of an arrow of the key, and what it says.
+    """
+    width, height = figure.get_size_inches()
+    right, level = 0.86 if width < style.NARROW else 0.94, 1.0 - share + 0.5 * LINE / height
+    figure.text(0.01, 1.0 - 0.4 * LINE / height, lines, va="top", fontsize=8.5)
+    ax.quiverkey(arrows, right, level, size, text, labelpos="W", coordinates="figure", fontproperties={"size": 7.5})
+
+
+def _draw_key(figure: Figure, axes: Any, drawn: Any, flows: bool, saturated: bool, sheets: bool, place: str) -> None:
     """What the colours of the vorticity (if it `flows`) or of the wake stand for."""
     if sheets and not flows:
         marks = [
             Line2D([], [], marker="o", linestyle="", markersize=4, color=colour, label=f"{edge} edge")
             for colour, edge in zip(palette.SHEETS, ("trailing", "leading"), strict=True)
         ]
-        figure.legend(handles=marks, loc="outside right center", title="Shed by the")
+        outside: Any = {"right": "outside right center", "bottom": "outside lower center"}
+        figure.legend(handles=marks, loc=outside[place], title="Shed by the", ncols=1 if place == "right" else 2)
         return
     ends = "both" if flows or saturated else "neither"
-    bar = figure.colorbar(drawn, ax=axes, shrink=0.85, aspect=35, pad=0.015, extend=ends)
+    bar = figure.colorbar(drawn, ax=axes, location=place, shrink=0.85, aspect=35, pad=0.015, extend=ends)
     key = "Vorticity, ω (s⁻¹)" if flows else "Circulation of wake vortices, Γ (m² s⁻¹)"
     bar.set_label(f"{key}\npositive counter-clockwise")
     bar.outline.set_linewidth(0.4)

@@ -1,6 +1,7 @@
 """Style of figures: the default style, optionally with a style of matplotlib or of the user on top."""
 
 import difflib
+import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -16,6 +17,10 @@ from ..files import OutputError
 
 WIDTH = 7.1
 """Width of a figure across two columns of a journal, inches."""
+NARROW = 4.5
+"""Width, inches, below which a figure is for one column: its panels stand one above the other."""
+LETTERS = 15.5
+"""Letters of a legend per inch."""
 
 HOUSE: Any = {
     "font.family": "DejaVu Sans",
@@ -46,6 +51,11 @@ KEPT = ("svg.hashsalt", "text.parse_math")
 """Settings that no other style changes: figures are reproducible, and titles are not parsed as formulas."""
 
 _over: ContextVar[Any] = ContextVar("style", default=None)
+
+
+def wrapped(text: str, width: float) -> str:
+    """A text in lines of at most `width` inches, in the size of legends."""
+    return textwrap.fill(text, max(int(LETTERS * width), 20))
 
 
 def current() -> Any:
