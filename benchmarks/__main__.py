@@ -4,7 +4,7 @@ import dataclasses
 import json
 from collections.abc import Iterable
 
-from taichiflap.published.page import markdown
+from taichiflap.pages import markdown
 
 from . import accuracy, commands, figures, load, machine, others, pages, pairs, runs, viscous, wakes
 from .rows import Row

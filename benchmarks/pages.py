@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 
-from taichiflap.published.page import Block, Figure, Heading, Paragraph, Table
+from taichiflap.pages import Block, Figure, Heading, Paragraph, Table
 
 from .accuracy import CYCLES, HALF_SPAN_PANELS, SECTION, Point
 from .rows import Row

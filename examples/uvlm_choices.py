@@ -14,7 +14,7 @@ import numpy as np
 
 import taichiflap
 from taichiflap.metrics.beats import whole_beats
-from taichiflap.published.page import Heading, Paragraph, Table, markdown
+from taichiflap.pages import Heading, Paragraph, Table, markdown
 from taichiflap.validation import momentum
 
 CASE = Path(__file__).parent.parent / "cases" / "hawkmoth.toml"

@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 FLOORS = (
-    "_version doors errors notation theory",
+    "_version doors errors notation pages theory",
     "disk kernels",
     "case",
     "motion structure",

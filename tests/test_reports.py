@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import taichiflap
+from taichiflap import pages
 from taichiflap._version import __version__
-from taichiflap.published import page
 from taichiflap.published.reade2020 import models, models_page, paper
 from taichiflap.published.reade2020.paper import Settings
 from taichiflap.validation import oscillation, start, steady, structure
@@ -67,8 +67,8 @@ def test_reproduction_holds_the_papers_cases_as_they_come_out_now():
 def test_the_wing_in_every_model_is_what_was_kept_and_comes_out_now():
     known = models.known()
     written = (ROOT / "docs" / "reproduction" / "models.md").read_text("utf-8")
-    assert written == page.markdown(models_page.page_of(known))
-    assert page.markdown(models_page.closing(known)) in REPRODUCTION
+    assert written == pages.markdown(models_page.page_of(known))
+    assert pages.markdown(models_page.closing(known)) in REPRODUCTION
     assert {key[0] for key in known} == {model.name for model in models.MODELS}
     assert all(one.beats >= 10 for one in known.values())
     wing = known["dbet", 15.0, 1]

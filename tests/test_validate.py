@@ -134,8 +134,8 @@ def test_command_prints_the_table_and_writes_the_report(tmp_path, one_study):
     assert "| half \\| of it | 1.005 | 1 | 0.50 % | 1 | pass |" in text
     page = (tmp_path / "report" / "validation.html").read_text()
     assert "A &lt;reference&gt;" in page
-    assert "src='data:image/png;base64," in page
-    assert "src='http" not in page
+    assert 'src="data:image/svg+xml;base64,' in page
+    assert 'src="http' not in page
 
 
 def test_command_fails_when_a_row_does(one_study):

@@ -1,8 +1,5 @@
 """The report of a validation: Markdown, one self-contained HTML page, and one figure per reference."""
 
-import base64
-import html
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +10,7 @@ from cycler import cycler
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from .. import files
+from .. import files, pages
 from .._version import __version__
 from ..drawing import palette
 from .checks import Chart, Check
@@ -50,13 +47,6 @@ _STYLE: Any = {
     "xtick.labelcolor": _INK.ink,
     "ytick.labelcolor": _INK.ink,
 }
-_SHEET = (
-    "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#16191d}"
-    "table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}"
-    "td,th{padding:.15rem .7rem;border-bottom:1px solid #dde2e7;text-align:right}"
-    "td:first-child,th:first-child{text-align:left}.fail{color:#b3261e;font-weight:bold}"
-    "img{max-width:100%;margin:1rem 0}"
-)
 
 
 def check_folder(folder: Path, overwrite: bool) -> None:
@@ -79,27 +69,17 @@ def write(checks: Sequence[Check], folder: Path) -> list[Path]:
     Raises:
         OutputError: if a file cannot be written.
     """
-    pictures = {}
     for check in checks:
         drawn = figure(check.charts)
         for kind in ("png", "svg"):
-            pictures[check.name, kind] = _rendered(drawn, kind)
-            _save(folder / f"validation-{check.name}.{kind}", pictures[check.name, kind])
-    _save(folder / MARKDOWN, markdown(checks).encode())
-    _save(folder / PAGE, page(checks, {check.name: pictures[check.name, "png"] for check in checks}).encode())
+            metadata = {"Date": None} if kind == "svg" else None
+            with mpl.rc_context(_STYLE), files.replacing(folder / f"validation-{check.name}.{kind}") as file:
+                drawn.savefig(file, format=kind, dpi=RESOLUTION, metadata=metadata)
+    said = blocks(checks)
+    for name, text in ((MARKDOWN, pages.markdown(said, "svg")), (PAGE, pages.html(said, folder))):
+        with files.replacing(folder / name) as file:
+            file.write(text.encode())
     return [folder / MARKDOWN, folder / PAGE]
-
-
-def _save(path: Path, content: bytes) -> None:
-    with files.replacing(path) as file:
-        file.write(content)
-
-
-def _rendered(drawn: Figure, kind: str) -> bytes:
-    buffer = io.BytesIO()
-    with mpl.rc_context(_STYLE):
-        drawn.savefig(buffer, format=kind, dpi=RESOLUTION, metadata={"Date": None} if kind == "svg" else None)
-    return buffer.getvalue()
 
 
 def figure(charts: Sequence[Chart]) -> Figure:
@@ -129,51 +109,17 @@ def figure(charts: Sequence[Chart]) -> Figure:
     return drawn
 
 
-def markdown(checks: Sequence[Check]) -> str:
-    """The report in Markdown, with links to its figures."""
-    parts = [f"# {TITLE}", _opening(checks)]
-    for check in checks:
-        parts += [f"## {check.reference}", check.about, _table(check)]
-        parts.append(f"![{check.reference}](validation-{check.name}.svg)")
-    return "\n\n".join(parts) + "\n"
-
-
-def _table(check: Check) -> str:
-    lines = [
-        "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-        for cells in (HEADINGS, *map(row_cells, check.rows))
-    ]
-    return "\n".join([lines[0], "|---|--:|--:|--:|--:|---|", *lines[1:]])
-
-
-def _opening(checks: Sequence[Check]) -> str:
+def blocks(checks: Sequence[Check]) -> list[pages.Block]:
+    """Blocks of the report."""
     failed = [f"{row.setting} ({row.error:.2f} {row.unit})" for check in checks for row in check.rows if not row.passed]
-    return (
+    opening = (
         f"Written by `taichiflap validate` of version {__version__}: {verdict(checks)}. Each row compares the "
         "solver with an exact or published solution. Tolerances follow from what the scheme should reach; a row "
         "outside its tolerance says FAIL." + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
     )
-
-
-def page(checks: Sequence[Check], pictures: dict[str, bytes]) -> str:
-    """The report as one HTML page with embedded figures, given as PNG by the name of the check."""
-    parts = [f"<h1>{TITLE}</h1>", f"<p>{html.escape(_opening(checks)).replace('`', '')}</p>"]
+    said: list[pages.Block] = [pages.Heading(1, TITLE), pages.Paragraph(opening)]
     for check in checks:
-        parts += [f"<h2 id='{check.name}'>{html.escape(check.reference)}</h2>", f"<p>{html.escape(check.about)}</p>"]
-        parts.append(
-            "<table>" + _row(HEADINGS, "th") + "".join(_row(row_cells(row), "td") for row in check.rows) + "</table>"
-        )
-        picture = base64.b64encode(pictures[check.name]).decode()
-        width = 100 * min(len(check.charts), COLUMNS) // COLUMNS
-        parts.append(
-            f"<img width='{width}%' alt='{html.escape(check.reference)}' src='data:image/png;base64,{picture}'>"
-        )
-    return (
-        f"<!doctype html><html lang='en'><head><meta charset='utf-8'><title>{TITLE}</title>"
-        f"<style>{_SHEET}</style></head><body>{''.join(parts)}</body></html>\n"
-    )
-
-
-def _row(cells: Sequence[str], tag: str) -> str:
-    kind = " class='fail'" if cells[-1] == "FAIL" else ""
-    return f"<tr{kind}>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+        said += [pages.Heading(2, check.reference), pages.Paragraph(check.about)]
+        said += [pages.Table(HEADINGS, [row_cells(row) for row in check.rows])]
+        said += [pages.Figure(f"validation-{check.name}", "", check.reference)]
+    return said

@@ -7,9 +7,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from ... import files
-from .. import page
-from ..page import Block, Figure, Heading, Paragraph, Table
+from ... import files, pages
+from ...pages import Block, Figure, Heading, Paragraph, Table
 from .drawings import DBET, INK, MUTED, RESOLUTION, STYLE, UVLM, WIDTH
 from .models import BEATS, BLOCK, KNOWN, MODELS, PHASES, PITCHES, STARTS, Found, Kept
 from .paper import TABLE_5
@@ -35,7 +34,7 @@ def write(found: Found, folder: Path) -> None:
                     metadata = {"Date": None} if kind == "svg" else None
                     figure.savefig(file, format=kind, dpi=RESOLUTION, metadata=metadata)
     blocks = page_of(found)
-    for kind, text in (("md", page.markdown(blocks)), ("html", page.page(blocks, folder))):
+    for kind, text in (("md", pages.markdown(blocks)), ("html", pages.html(blocks, folder))):
         with files.replacing(folder / f"{NAME}.{kind}") as file:
             file.write(text.encode())
 

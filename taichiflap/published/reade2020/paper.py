@@ -1,6 +1,6 @@
 """Reade & Jankauski (2020), ASME IDETC DETC2020-22638: printed numbers and cases.
 
-Tables 1 to 4 define the cases; gaps and misprints are corrected as listed in `errata`.
+Tables 1 to 4 define the cases; gaps and misprints are corrected as docs/theory/errata.md lists.
 """
 
 from collections.abc import Sequence

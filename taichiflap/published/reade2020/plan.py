@@ -16,13 +16,6 @@ UNDAMPED = "wing.damping_ratio=0"
 TRUNCATED = "dbet.speed=truncated"
 ROW = (NO_ADDED_MASS, f"fluid.density={DENSITY_OF_THE_ROW}")
 """DBET without added mass, at the density that gives the paper's mean forces."""
-C_FOR_H = f"fluid.density={AIR * 0.4:.4g}"
-"""The UVLM force with c = 2 cm in the place of h = 5 cm: the force is linear in a density that the flow ignores."""
-MICROGRAMS = "wing.density=1.0"
-LATE = ("motion.plunge.phase_deg=0", "motion.pitch.phase_deg=-90")
-"""A quarter of a beat later, as the paper's plots have it."""
-IN_PHASE = LATE[0]
-"""The plunge of the paper's plots with the pitch of Table 2."""
 TRIALS = 3
 BATCH = 12
 """Number of cases per batch, so that their results fit in memory."""
@@ -62,14 +55,11 @@ def keys(settings: Settings) -> list[Key]:
             add(solver, *with_rigid(f"fluid.density={density}"))
     add("dbet", *(variant for count in settings.elements for variant in with_rigid(f"dbet.elements={count}")))
     add("dbet", *with_rigid(NO_ADDED_MASS), *with_rigid(*ROW), (*ROW, UNDAMPED), (TRUNCATED,), (TRUNCATED, UNDAMPED))
-    add("dbet", (MICROGRAMS,), *with_rigid(*halved(settings)))
-    for solver in ("dbet", "uvlm"):
-        add(solver, *with_rigid(*LATE), *with_rigid(IN_PHASE))
+    add("dbet", *with_rigid(*halved(settings)))
     add("uvlm", *with_rigid(*halved(settings, 200)), *with_rigid(*halved(settings, 400)))
     add("uvlm", *(variant for count in settings.panels for variant in with_rigid(f"uvlm.panels={count}")))
     for wake in (*settings.wakes, *settings.long_wakes):
         add("uvlm", *with_rigid(f"uvlm.wake={wake}"))
-    add("uvlm", *with_rigid(C_FOR_H))
     return list(found)
 
 

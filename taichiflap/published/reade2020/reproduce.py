@@ -4,13 +4,11 @@ import contextlib
 import os
 from pathlib import Path
 
-from ... import files
+from ... import files, pages
 from ..._version import __version__
+from ...pages import Block, Figure, Heading, Paragraph, Table
 from ...structure import beam
-from .. import page
-from ..page import Block, Figure, Heading, Paragraph, Table
 from . import archive, drawings, models, models_page, paper, plan, tables
-from .errata import errata
 from .measured import Progress, machine
 from .paper import Settings
 from .verdict import Verdict
@@ -65,7 +63,7 @@ def reproduce(
     archive.write(folder / DATA, runs, {f"solve_time_{solver}": seconds for solver, seconds in timings.items()})
     models_page.write(wings, folder)
     blocks = [*_blocks(settings, runs, found), *models_page.closing(wings)]
-    for name, text in ((REPORT, page.markdown(blocks)), (PAGE, page.page(blocks, folder))):
+    for name, text in ((REPORT, pages.markdown(blocks)), (PAGE, pages.html(blocks, folder))):
         with files.replacing(folder / name) as file:
             file.write(text.encode())
     rest(1.0)
@@ -156,14 +154,4 @@ def _blocks(settings: Settings, runs: plan.Runs, found: list[Verdict]) -> list[B
             "which is what an actuator that stores nothing spends; and the mean vertical force (full vector) per power."
         ),
         tables.power(runs),
-        Heading(2, "Errors in the paper's text, taken at their word"),
-        Paragraph(
-            "How: `run` changes the case; `post-processed` takes the forces from the stored motion, which stays as it "
-            "was; `NumPy` is the rigid wing's lattice once more in NumPy, which agrees with the solver and has the "
-            "misprint as an option."
-        ),
-        Table(
-            ("Where", "Printed", "Meant", "Effect of the print", "How"),
-            [(one.where, one.printed, one.meant, one.effect, one.how) for one in errata(settings, runs)],
-        ),
     ]

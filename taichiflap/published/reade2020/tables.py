@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ...metrics.summary import Statistic
-from ..page import Table
+from ...pages import Table
 from .measured import Measured
 from .paper import GAIN, TABLE_5, Settings
 from .plan import NO_ADDED_MASS, RIGID, ROW, TRUNCATED, UNDAMPED, Runs, key

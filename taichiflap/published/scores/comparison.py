@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterator, Sequence
 
-from .. import page
+from ... import pages
 from .against import ORDERS, ROUND_OFF, Comparison, Figures
 from .tiers import Tier
 
@@ -50,15 +50,15 @@ def lines(found: Comparison, tiers: Sequence[Tier]) -> Iterator[str]:
             yield f"    {head:<16}" + "".join(f"{cell:>{WIDTH}}" for cell in cells)
 
 
-def blocks(found: Sequence[Comparison], tiers: Sequence[Tier], names: Sequence[str]) -> list[page.Block]:
+def blocks(found: Sequence[Comparison], tiers: Sequence[Tier], names: Sequence[str]) -> list[pages.Block]:
     """The page: a section a trace, with its figure.
 
     Args:
         names: the stems of the figures.
     """
-    said: list[page.Block] = [
-        page.Heading(1, "Measurement and models"),
-        page.Paragraph(
+    said: list[pages.Block] = [
+        pages.Heading(1, "Measurement and models"),
+        pages.Paragraph(
             "Harmonics are amplitude and phase, of `a cos(2 pi n t/T + phase)`. The peak is the largest magnitude; its "
             "time is in beats, or in s of a motion that does not repeat. The last column is the root mean square of "
             "the difference over that of the measurement. Models are means over their settled "
@@ -66,11 +66,11 @@ def blocks(found: Sequence[Comparison], tiers: Sequence[Tier], names: Sequence[s
         ),
     ]
     for one, name in zip(found, names, strict=True):
-        said.append(page.Heading(2, one.trace.path.name))
-        said += [page.Paragraph(f"{line[0].upper()}{line[1:]}.") for line in stated(one, tiers)]
+        said.append(pages.Heading(2, one.trace.path.name))
+        said += [pages.Paragraph(f"{line[0].upper()}{line[1:]}.") for line in stated(one, tiers)]
         for quantity, (head, rows) in _tables(one, tiers).items():
-            said.append(page.Table((quantity, *head), rows))
-        said.append(page.Figure(name, f"{one.trace.path.name} and the models"))
+            said.append(pages.Table((quantity, *head), rows))
+        said.append(pages.Figure(name, f"{one.trace.path.name} and the models"))
     return said
 
 

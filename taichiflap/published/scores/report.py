@@ -10,10 +10,9 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from ... import files
+from ... import files, pages
 from ..._version import __version__
 from ...scored.regime import Regime
-from .. import page
 from . import comparison, pictures
 from .against import Comparison
 from .library import EXCLUDED
@@ -42,8 +41,8 @@ def write(rows: Sequence[Row], tiers: Sequence[Tier], folder: Path) -> list[Path
         for kind in ("png", "svg"):
             save_figure(figure, folder / f"{name}.{kind}")
     found = blocks(rows, tiers, [(name, caption) for name, caption, _ in figures])
-    _save(folder / MARKDOWN, page.markdown(found).encode())
-    _save(folder / PAGE, page.page(found, folder).encode())
+    _save(folder / MARKDOWN, pages.markdown(found).encode())
+    _save(folder / PAGE, pages.html(found, folder).encode())
     return [folder / MARKDOWN, folder / PAGE]
 
 
@@ -62,8 +61,8 @@ def write_comparison(found: Sequence[Comparison], tiers: Sequence[Tier], folder:
         for kind in ("png", "svg"):
             save_figure(figure, folder / f"{name}.{kind}")
     said = comparison.blocks(found, tiers, names)
-    _save(folder / COMPARISON, page.markdown(said).encode())
-    _save(folder / COMPARISON_PAGE, page.page(said, folder).encode())
+    _save(folder / COMPARISON, pages.markdown(said).encode())
+    _save(folder / COMPARISON_PAGE, pages.html(said, folder).encode())
     return [folder / COMPARISON, folder / COMPARISON_PAGE]
 
 
@@ -98,11 +97,11 @@ def _save(path: Path, content: bytes) -> None:
         file.write(content)
 
 
-def blocks(rows: Sequence[Row], tiers: Sequence[Tier], figures: Sequence[tuple[str, str]]) -> list[page.Block]:
+def blocks(rows: Sequence[Row], tiers: Sequence[Tier], figures: Sequence[tuple[str, str]]) -> list[pages.Block]:
     """Blocks of the page."""
-    found: list[page.Block] = [
-        page.Heading(1, "Which model is right where"),
-        page.Paragraph(
+    found: list[pages.Block] = [
+        pages.Heading(1, "Which model is right where"),
+        pages.Paragraph(
             f"Written by `taichiflap score` of version {__version__}. Each row compares the models with a published or "
             "exact figure. The band is the scatter between sources, or the error of the instrument. A value is inside "
             "the band, within 25 % of the figure, or outside; phases are within 25 % when they err by less than 22.5 "
@@ -113,21 +112,21 @@ def blocks(rows: Sequence[Row], tiers: Sequence[Tier], figures: Sequence[tuple[s
     missed = [row for row in rows if hopeless(row)]
     if missed:
         names = "; ".join(f"{row.published.name}, {row.truth.quantity}" for row in missed)
-        found.append(page.Paragraph(f"Figures that no model comes within 25 % of: {names}."))
+        found.append(pages.Paragraph(f"Figures that no model comes within 25 % of: {names}."))
     for number, (name, own) in enumerate(groups(rows), 1):
-        found += [page.Heading(2, name), page.Paragraph(sentence(own, tiers)), _table(own, tiers)]
+        found += [pages.Heading(2, name), pages.Paragraph(sentence(own, tiers)), _table(own, tiers)]
         if f"scores-{number}" in named:
-            found.append(page.Figure(f"scores-{number}", named[f"scores-{number}"]))
+            found.append(pages.Figure(f"scores-{number}", named[f"scores-{number}"]))
         found.append(
-            page.Paragraph("Sources: " + "; ".join(dict.fromkeys(row.published.citation for row in own)) + ".")
+            pages.Paragraph("Sources: " + "; ".join(dict.fromkeys(row.published.citation for row in own)) + ".")
         )
     if "scores-histories" in named:
-        found += [page.Heading(2, "Time histories"), page.Figure("scores-histories", named["scores-histories"])]
-    found += [page.Heading(2, "Not scored"), page.Table(("data", "reason"), EXCLUDED)]
+        found += [pages.Heading(2, "Time histories"), pages.Figure("scores-histories", named["scores-histories"])]
+    found += [pages.Heading(2, "Not scored"), pages.Table(("data", "reason"), EXCLUDED)]
     return found
 
 
-def _table(rows: Sequence[Row], tiers: Sequence[Tier]) -> page.Table:
+def _table(rows: Sequence[Row], tiers: Sequence[Tier]) -> pages.Table:
     heads = ("case", "figure", "published", "band", *(tier.label for tier in tiers))
     body = [
         (
@@ -139,7 +138,7 @@ def _table(rows: Sequence[Row], tiers: Sequence[Tier]) -> page.Table:
         )
         for number, row in enumerate(rows)
     ]
-    return page.Table(heads, body)
+    return pages.Table(heads, body)
 
 
 def _cell(row: Row, tier: Tier) -> str:

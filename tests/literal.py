@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...case.case import Case
-from ...fluids.dbet import elements
-from ...metrics.beats import settled_beats
-from ...metrics.waves import harmonic
-from ...motion import sampling
-from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE
-from ...results.reader import Result
-from ...structure import beam
-from ...structure.chordwise import Profile
+from taichiflap.case.case import Case
+from taichiflap.fluids.dbet import elements
+from taichiflap.metrics.beats import settled_beats
+from taichiflap.metrics.waves import harmonic
+from taichiflap.motion import sampling
+from taichiflap.motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE
+from taichiflap.results.reader import Result
+from taichiflap.structure import beam
+from taichiflap.structure.chordwise import Profile
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...case.case import Case
-from ...motion import sampling
-from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
-from ...structure.chordwise import Profile
-from ...vortex.sum import induced_velocity
+from taichiflap.case.case import Case
+from taichiflap.motion import sampling
+from taichiflap.motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE
+from taichiflap.structure.chordwise import Profile
+from taichiflap.vortex.sum import induced_velocity
 
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
