@@ -6,10 +6,16 @@ from conftest import hawkmoth
 
 import taichiflap
 from taichiflap.case.case import CaseError, load_case, parse_case
-from taichiflap.case.tabulated import read_points
+from taichiflap.case.columns import read_columns
+from taichiflap.case.tabulated import _points
 
 ROWS = [[0.0, 0.0, 5.0], [0.25, 0.01, 6.0], [0.5, 0.0, 7.5], [0.75, -0.01, 6.0]]
 RAMP = {"kind": "ramp", "start": 0.2, "ramp": 0.1, "smoothing": 50.0, "amplitude_deg": 45.0}
+
+
+def read_points(path, which):
+    """Rows of the time column and another column."""
+    return _points("plunge", {"column": which}, read_columns(path))["points"]
 
 
 @pytest.mark.parametrize(

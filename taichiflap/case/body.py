@@ -2,10 +2,10 @@
 
 from pydantic.json_schema import SkipJsonSchema
 
-from .schema import Section, key
+from .schema import CaseTable, key
 
 
-class Body(Section):
+class Body(CaseTable):
     """The body that the wings carry: its weight is what the lift is compared with."""
 
     mass: float | SkipJsonSchema[None] = key(

@@ -22,7 +22,7 @@ from .messages import describe
 from .motion import Motion
 from .navier_stokes import NavierStokes
 from .output import Output
-from .schema import ModelSection, Section, key, needed, section
+from .schema import CaseTable, ModelTable, key, needed, optional_table
 from .solver import Solver, model_name
 from .tables import Table
 from .tabulated import Origin, PointsError, reopened, with_points
@@ -51,7 +51,7 @@ class CaseError(UserError):
         super().__init__("\n".join(f"{source}: {problem}" for problem in problems))
 
 
-class Case(Section):
+class Case(CaseTable):
     """One case: an elastic wing section, its motion, the fluid and the model that computes it.
 
     Attributes follow the case file: `case.wing.chord` is the file's `chord` in `[wing]`. SI units; angles in degrees
@@ -65,13 +65,13 @@ class Case(Section):
     )
     wing: Wing
     motion: Motion
-    fluid: Fluid = section(Fluid)
-    body: Body = section(Body)
-    dbet: Dbet = section(Dbet)
-    uvlm: Uvlm = section(Uvlm)
-    navier_stokes: NavierStokes = section(NavierStokes)
-    time: Time = section(Time)
-    output: Output = section(Output)
+    fluid: Fluid = optional_table(Fluid)
+    body: Body = optional_table(Body)
+    dbet: Dbet = optional_table(Dbet)
+    uvlm: Uvlm = optional_table(Uvlm)
+    navier_stokes: NavierStokes = optional_table(NavierStokes)
+    time: Time = optional_table(Time)
+    output: Output = optional_table(Output)
 
     @model_validator(mode="before")
     @classmethod
@@ -111,7 +111,7 @@ class Case(Section):
                 "motion.frequency", "for a non-periodic motion give time.duration and time.step instead of periods"
             )
         table = getattr(self, self.solver, None)
-        if isinstance(table, ModelSection):
+        if isinstance(table, ModelTable):
             table.check(self)
         return self
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from .schema import ModelSection, as_tuple, key
+from .schema import ModelTable, as_tuple, key
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ _PAPER = {
 """Defaults for files of version 0.1, which have `added_mass = true` or `false`."""
 
 
-class Dbet(ModelSection):
+class Dbet(ModelTable):
     """Deformable blade element theory, quasi-steady."""
 
     elements: int = key(50, text="blade elements along the chord", ge=1, le=10_000)

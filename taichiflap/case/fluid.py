@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from .schema import Section, as_tuple, key, needed
+from .schema import CaseTable, as_tuple, key, needed
 
 Velocity = Annotated[
     tuple[Annotated[float, Field(ge=-1000, le=1000)], Annotated[float, Field(ge=-1000, le=1000)]],
@@ -13,7 +13,7 @@ Velocity = Annotated[
 ]
 
 
-class Fluid(Section):
+class Fluid(CaseTable):
     """The fluid around the wing."""
 
     density: float = key(1.225, unit="kg/m3", text="density of the fluid", ge=0, le=1e5)

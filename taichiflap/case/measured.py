@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, model_validator
 
 from .clock import looks_like, period, spacing
-from .schema import Section, key
+from .schema import CaseTable, key
 from .travel import Angle, Moment, rows
 
 FEWEST = 8
@@ -23,7 +23,7 @@ AngleRows = Annotated[tuple[tuple[Moment, Angle, Angle, Angle], ...], BeforeVali
 NAMES = ("stroke", "deviation", "rotation")
 
 
-class Measured(Section):
+class Measured(CaseTable):
     """Measured flapping angles, from which plunge, pitch and surge follow."""
 
     file: str | None = key(

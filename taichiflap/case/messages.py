@@ -58,8 +58,8 @@ def _keys(loc: tuple[str | int, ...], document: Any, root: type[BaseModel]) -> K
             continue
         keys.append(key)
         field = model.model_fields.get(str(key)) if model else None
-        chosen = field is not None and len(sections(field)) > 1
-        model = _section(field, value) if field else None
+        chosen = field is not None and len(tables(field)) > 1
+        model = _table(field, value) if field else None
     return keys
 
 
@@ -67,20 +67,20 @@ def _dotted(keys: Iterable[str | int]) -> str:
     return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).removeprefix(".")
 
 
-def sections(field: FieldInfo) -> list[type[BaseModel]]:
+def tables(field: FieldInfo) -> list[type[BaseModel]]:
     """The tables that a key may hold, one per kind; empty for a plain value."""
     annotations = [get_args(part)[0] if get_origin(part) is Annotated else part for part in get_args(field.annotation)]
     return [part for part in (field.annotation, *annotations) if isinstance(part, type) and issubclass(part, BaseModel)]
 
 
-def first_line(section: type[BaseModel]) -> str:
+def first_line(table: type[BaseModel]) -> str:
     """First line of a table's description."""
-    return (section.__doc__ or "").strip().partition("\n")[0]
+    return (table.__doc__ or "").strip().partition("\n")[0]
 
 
-def _section(field: FieldInfo, value: Any = None) -> type[BaseModel] | None:
+def _table(field: FieldInfo, value: Any = None) -> type[BaseModel] | None:
     """The table that a key holds: the kind that `value` names, or else the first."""
-    found = sections(field)
+    found = tables(field)
     kind = value.get("kind") if isinstance(value, Mapping) else None
     asked = [part for part in found if "kind" in part.model_fields and kind in get_args(_annotation(part, "kind"))]
     return next(iter([*asked, *found]), None)
@@ -100,7 +100,7 @@ def _owner(keys: Keys, document: Any, root: type[BaseModel]) -> tuple[type[BaseM
             break
         owner, name = model, key
         value = value.get(key) if isinstance(value, Mapping) else None
-        model = _section(model.model_fields[key], value)
+        model = _table(model.model_fields[key], value)
     return owner, name
 
 
@@ -110,7 +110,7 @@ def _nearest_key(keys: Keys, document: Any, root: type[BaseModel]) -> str:
     value = document
     for table in tables:
         value = value[table]
-        model = _section(model.model_fields[str(table)], value) if model else None
+        model = _table(model.model_fields[str(table)], value) if model else None
     here = list(model.model_fields) if model else []
     nearest = difflib.get_close_matches(str(last), here, 1)
     if nearest:
@@ -123,9 +123,9 @@ def _nearest_key(keys: Keys, document: Any, root: type[BaseModel]) -> str:
 
 def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterable[str]:
     for key, field in model.model_fields.items():
-        section = _section(field)
-        if section:
-            yield from _all_keys(section, f"{prefix}{key}.")
+        table = _table(field)
+        if table:
+            yield from _all_keys(table, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}"
 
@@ -133,9 +133,9 @@ def _all_keys(model: type[BaseModel], prefix: str = "") -> Iterable[str]:
 def _allowed(owner: type[BaseModel], key: str) -> str:
     """Allowed values of a key, from its schema: 'a number > 0 and <= 100 m, e.g. 0.02 (chord)'."""
     field = owner.model_fields[key]
-    section = _section(field)
-    if section:
-        return f"a table: {first_line(section)}"
+    table = _table(field)
+    if table:
+        return f"a table: {first_line(table)}"
     schema = _schema(owner)["properties"][key]
     kinds = _alternatives(schema)
     words = " or ".join(dict.fromkeys(_kind(kind) for kind in kinds))

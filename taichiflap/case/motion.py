@@ -17,7 +17,7 @@ from pydantic import (
 )
 
 from .measured import Measured
-from .schema import Section, key, needed
+from .schema import CaseTable, key, needed
 from .tables import TablePitch, TablePlunge
 from .travel import HARMONICS, AngleHarmonics, LengthHarmonics, Travel
 
@@ -170,7 +170,7 @@ def _rests(travel: Travel) -> bool:
     return isinstance(travel, HarmonicPlunge) and not travel.repeats
 
 
-class Motion(Section):
+class Motion(CaseTable):
     """Prescribed motion of the pivot."""
 
     frequency: float | None = key(

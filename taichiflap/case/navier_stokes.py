@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 from pydantic import field_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from .schema import ModelSection, key, needed
+from .schema import ModelTable, key, needed
 
 if TYPE_CHECKING:
     from .case import Case
@@ -14,7 +14,7 @@ THINNEST = 0.02
 """Minimum thickness of a flexible section, in chords, for which the grid mapping converges."""
 
 
-class NavierStokes(ModelSection):
+class NavierStokes(ModelTable):
     """Two-dimensional Navier-Stokes flow on a grid that deforms with the section."""
 
     own_steps: ClassVar[bool] = True

@@ -1,9 +1,9 @@
 """`[output]`: the contents of the result file."""
 
-from .schema import Section, key
+from .schema import CaseTable, key
 
 
-class Output(Section):
+class Output(CaseTable):
     """Contents of the result file."""
 
     every: int = key(

@@ -20,12 +20,12 @@ def _without_nothing(schema: dict[str, Any]) -> None:
             del entry["default"]
 
 
-class Section(BaseModel):
+class CaseTable(BaseModel):
     """A table of the case file: no unknown keys, no text for a number, immutable."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, json_schema_extra=_without_nothing,
-        defer_build=True,  # a section is checked as a part of its case: nothing is built that is not used
+        defer_build=True,  # a table is checked as a part of its case
     )  # fmt: skip
 
     @field_validator("*")
@@ -39,7 +39,7 @@ class Section(BaseModel):
         return value
 
 
-class ModelSection(Section):
+class ModelTable(CaseTable):
     """The table of a fluid model, which has the model's name.
 
     Attributes:
@@ -76,9 +76,9 @@ def key(default: Any = ..., *, unit: str = "", text: str, example: Any = None, *
     return Field(default, description=text, examples=[example], json_schema_extra=extra, **limits)
 
 
-def section(model: type[BaseModel]) -> Any:
+def optional_table(table: type[BaseModel]) -> Any:
     """An optional table. Its defaults need no validation."""
-    return Field(default_factory=model.model_construct, description=(model.__doc__ or "").strip().rstrip("."))
+    return Field(default_factory=table.model_construct, description=(table.__doc__ or "").strip().rstrip("."))
 
 
 def as_tuple(value: Any) -> Any:

@@ -106,17 +106,6 @@ def of_file(name: str) -> tuple[str, ...]:
     return OF_ANGLES if name == "measured" else OF_FILE
 
 
-def read_points(path: Path, which: int | str, unit: str | None = None) -> list[list[float]]:
-    """Rows `[time, value]` of a plunge file, in m, from its time column and another column.
-
-    Raises:
-        ColumnsError: if the file cannot be read or has no such column.
-    """
-    given = {"column": which} | ({"unit": unit} if unit else {})
-    found: list[list[float]] = _points("plunge", given, read_columns(path))["points"]
-    return found
-
-
 def _points(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[str, Any]:
     """Points of a motion, and the unit of their times if the file states one."""
     times = _time_column(table, columns)

@@ -9,7 +9,7 @@ from pydantic_core import PydanticUndefined
 
 from ..notation import engineering
 from .case import Case, case_schema
-from .messages import first_line, sections
+from .messages import first_line, tables
 
 COMMENT_COLUMN = 34
 EXAMPLE: dict[str, Any] = {
@@ -38,7 +38,7 @@ def commented_case() -> str:
 def _keys(model: type[BaseModel], prefix: str, left_out: str = "") -> Iterator[str]:
     nested = []
     for key, field in model.model_fields.items():
-        found = sections(field)
+        found = tables(field)
         path = f"{prefix}{key}"
         if len(found) > 1:
             yield from _kinds(key, path, found)
@@ -50,10 +50,10 @@ def _keys(model: type[BaseModel], prefix: str, left_out: str = "") -> Iterator[s
         else:
             hidden = left_out or ("# " if field.default is None and path not in EXAMPLE else "")
             yield _commented(f"{hidden}{key} = {_toml(_example(path, field))}", model, key, field)
-    for path, section, hidden in nested:
+    for path, table, hidden in nested:
         yield ""
-        yield f"{hidden}[{path}]  # {first_line(section).rstrip('.')}"
-        yield from _keys(section, f"{path}.", hidden)
+        yield f"{hidden}[{path}]  # {first_line(table).rstrip('.')}"
+        yield from _keys(table, f"{path}.", hidden)
 
 
 def _kinds(key: str, path: str, models: list[type[BaseModel]]) -> Iterator[str]:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from .schema import Section, key, needed
+from .schema import CaseTable, key, needed
 
 IN_PERIODS = ("periods", "steps_per_period")
 IN_SECONDS = ("duration", "step")
@@ -25,7 +25,7 @@ Step = Annotated[
 ]
 
 
-class Time(Section):
+class Time(CaseTable):
     """Duration and time step: periods and steps_per_period, or duration and step.
 
     With "auto" the trailing edge travels one panel length through the fluid per step.

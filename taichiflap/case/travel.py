@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from .schema import Section, as_tuple
+from .schema import CaseTable, as_tuple
 
 MOST_HARMONICS = 100
 
@@ -34,7 +34,7 @@ AnglePoints = Annotated[tuple[tuple[Moment, Angle], ...], BeforeValidator(rows)]
 HARMONICS = "additional terms [n, amplitude, phase_deg] of sin(2 pi n frequency t + phase)"
 
 
-class Travel(Section):
+class Travel(CaseTable):
     """Plunge, pitch or surge as a function of time."""
 
     kind: str

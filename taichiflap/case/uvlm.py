@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, ModelWrapValidatorHandler, Tag, model_validator
 
-from .schema import ModelSection, key, needed
+from .schema import ModelTable, key, needed
 
 if TYPE_CHECKING:
     from .case import Case
@@ -27,7 +27,7 @@ LEAST_WAKE = 10
 """Minimum length of a wake with two sheets."""
 
 
-class Uvlm(ModelSection):
+class Uvlm(ModelTable):
     """Unsteady vortex lattice on the deformed camber line, with a free wake.
 
     With leading_edge = "sheds" the defaults are panels = 40, wake = 1000, merge_error = 1e-4, crossing = "pass", core =

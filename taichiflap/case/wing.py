@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import PydanticKnownError
 
-from .schema import Section, as_tuple, key
+from .schema import CaseTable, as_tuple, key
 
 MOST_ENTRIES = 100
 
@@ -73,7 +73,7 @@ PointMasses = Annotated[tuple[_PointMass, ...], Field(max_length=MOST_ENTRIES), 
 _MEASURED = ("mass_per_length", "flexural_rigidity")
 
 
-class Wing(Section):
+class Wing(CaseTable):
     """The wing section, clamped at its leading edge; a number, or a table [[s, value], ...] over s = y/chord."""
 
     chord: float = key(unit="m", text="chord length", example=0.02, gt=0, le=100)

@@ -17,7 +17,7 @@ from pydantic import ValidationError, create_model
 
 from ..case.case import Case, CaseError
 from ..case.messages import describe
-from ..case.schema import Section
+from ..case.schema import CaseTable
 from ..results.variables import VARIABLES, WAKE_VARIABLES, Variable
 from ..structure.beam import Modes
 
@@ -199,7 +199,7 @@ class Model:
 
     name: ClassVar[str]
     outputs: ClassVar[tuple[Output, ...]] = standard("pressure_jump")
-    numbers: ClassVar[type[Section] | None] = None
+    numbers: ClassVar[type[CaseTable] | None] = None
     elements: ClassVar[int] = 50
     draws_flow: ClassVar[bool] = False
     stores_vorticity: ClassVar[bool] = False
@@ -280,7 +280,7 @@ class Model:
         for name, one in self.numbers.model_fields.items():
             if one.annotation is int and isinstance(given.get(name), float) and given[name].is_integer():
                 given[name] = int(given[name])
-        whole: Any = create_model("Numbers", __base__=Section, numbers=(self.numbers, ...))
+        whole: Any = create_model("Numbers", __base__=CaseTable, numbers=(self.numbers, ...))
         try:
             return whole(numbers=given).numbers
         except ValidationError as error:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..case.case import Case
-from ..case.schema import Section as Table
+from ..case.schema import CaseTable as Table
 from ..case.schema import key
 from ..kernels.arrays import array
 from ..kernels.runtime import View, ti
