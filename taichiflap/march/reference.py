@@ -1,4 +1,4 @@
-"""Reference speed and area of a case, for coefficients of force and power.
+"""Reference speed and area of a case, for coefficients, Reynolds number and reduced frequency.
 
 The reference speed is that of the free stream. In hover it is the root-mean-square speed of mid-chord over a beat, or
 over the whole run for a non-periodic motion. The area is chord times mean span.
@@ -51,6 +51,26 @@ def reference(case: Case) -> Reference:
     stream = case.fluid.streams
     speed = math.hypot(*case.fluid.velocity) if stream else speed_of_middle(case)
     return Reference(speed, case.wing.chord * Profile.of(case.wing.span).mean, case.fluid.density, stream)
+
+
+def reynolds(case: Case, scale: Reference | None = None) -> float | None:
+    """Reynolds number U c / nu of a case; None without `fluid.viscosity`.
+
+    Args:
+        scale: its reference values, if they are known.
+    """
+    viscosity = case.fluid.viscosity
+    return (scale or reference(case)).speed * case.wing.chord / viscosity if viscosity else None
+
+
+def reduced_frequency(case: Case, scale: Reference | None = None) -> float | None:
+    """Reduced frequency pi f c / U of a case; None for a non-periodic motion or a wing at rest.
+
+    Args:
+        scale: its reference values, if they are known.
+    """
+    frequency, speed = case.motion.frequency, (scale or reference(case)).speed
+    return math.pi * frequency * case.wing.chord / speed if frequency and case.periodic and speed else None
 
 
 def speed_of_middle(case: Case) -> float:

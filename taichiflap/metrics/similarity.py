@@ -13,7 +13,7 @@ import numpy as np
 from ..case.case import Case
 from ..case.fluid import Fluid
 from ..case.motion import Motion
-from ..march.reference import MOMENTS, Reference, reference
+from ..march.reference import MOMENTS, Reference, reduced_frequency, reynolds
 from ..motion import attack, sampling
 
 
@@ -42,12 +42,10 @@ class Similarity:
     @classmethod
     def of(cls, case: Case, scale: Reference | None = None) -> "Similarity":
         """Similarity numbers of a case; `scale` are its reference values, if they are known."""
-        chord, frequency, viscosity = case.wing.chord, case.motion.frequency, case.fluid.viscosity
-        speed = (scale or reference(case)).speed
         pivot, mean, rms = _moved(case.motion, case.fluid, case.duration, case.beat)
         return cls(
-            reynolds=speed * chord / viscosity if viscosity else None,
-            reduced_frequency=math.pi * frequency * chord / speed if frequency and case.periodic and speed else None,
+            reynolds=reynolds(case, scale),
+            reduced_frequency=reduced_frequency(case, scale),
             pivot_speed=pivot,
             wing_tip_speed=_at_the_tip(case, pivot),
             angle_of_attack_mean=mean,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..case.case import Case
+from ..march.reference import reduced_frequency, reynolds
 from ..motion import sampling
 from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE_RATE
 from ..structure import beam
@@ -23,8 +24,7 @@ class Regime:
     Attributes:
         hovers: whether there is no free stream.
         bends: whether the wing has modes.
-        reduced_frequency: pi f c / U, with the root-mean-square speed U of mid-chord relative to the fluid; 0 for a
-            non-periodic motion.
+        reduced_frequency: pi f c / U, see `taichiflap.march.reference`; 0 for a non-periodic motion.
         stroke: extent of the plunge, chords.
         angle: mean angle of attack at mid-chord, weighted by the square of the speed, degrees.
         reynolds: U c / nu; None without a viscosity.
@@ -42,7 +42,7 @@ class Regime:
     @classmethod
     def of(cls, case: Case) -> "Regime":
         """The regime of a case, from its motion in the last beat."""
-        chord, viscosity = case.wing.chord, case.fluid.viscosity
+        chord = case.wing.chord
         moved = sampling.sample(case.motion, np.linspace(case.duration - case.beat, case.duration, MOMENTS))
         cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
         past_y = case.fluid.velocity[0] - moved[:, SURGE_RATE]
@@ -50,17 +50,16 @@ class Regime:
         along = past_y * cosine + past_z * sine
         across = past_z * cosine - past_y * sine - (0.5 - case.wing.pivot) * chord * moved[:, PITCH_RATE]
         squared = along**2 + across**2
-        speed = math.sqrt(squared.mean())
         angles = np.degrees(np.arctan2(np.abs(across), np.abs(along)))
         frequency = case.motion.frequency or 0.0
         first = beam.modes(case.wing).frequency[:1]
         return cls(
             hovers=not any(case.fluid.velocity),
             bends=bool(first.size),
-            reduced_frequency=math.pi * frequency * chord / speed if speed else 0.0,
+            reduced_frequency=reduced_frequency(case) or 0.0,
             stroke=float(np.ptp(moved[:, PLUNGE])) / chord,
-            angle=float(np.average(angles, weights=squared)) if speed else 0.0,
-            reynolds=speed * chord / viscosity if viscosity else None,
+            angle=float(np.average(angles, weights=squared)) if squared.any() else 0.0,
+            reynolds=reynolds(case),
             frequency_ratio=frequency / float(first[0]) if first.size and frequency else 0.0,
         )
 
