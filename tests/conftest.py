@@ -1,5 +1,6 @@
 """Shared helpers: cases from the shipped files, and marches that keep all their frames."""
 
+import contextlib
 import os
 import runpy
 import signal
@@ -9,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from browsing import CHROMIUM, FLAGS, NODE, PORT, SECONDS
 
 import taichiflap
 from taichiflap import fluids
@@ -105,3 +107,68 @@ def _no_mutant_hides():
         for module in (beam, waves, sampling, waveforms):
             for cached in vars(module).values():
                 getattr(cached, "cache_clear", bool)()
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory):
+    """Files of two beats of the hawkmoth by name: by each model, and of one with three modes; computed when asked."""
+    folder = tmp_path_factory.mktemp("results")
+    settings = {"uvlm": (), "dbet": ("solver=dbet",), "modes": ("wing.modes=3", "uvlm.wake=40")}
+
+    def path(name):
+        file = folder / f"{name}.h5"
+        if not file.exists():
+            taichiflap.simulate(hawkmoth("time.periods=2", *settings[name]), file).close()
+        return file
+
+    return path
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A browser without a window."""
+    sync = pytest.importorskip("playwright.sync_api", reason="NO BROWSER TESTED: playwright is not installed")
+    with sync.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def serve(recorded):
+    """Start viewers of recorded results; they stop with the test."""
+    from taichiflap_viewer import Viewer  # noqa: PLC0415 - most tests do without
+
+    with contextlib.ExitStack() as stack:
+
+        def start(*names):
+            viewer = Viewer([recorded(name) for name in names], port=PORT)
+            stack.callback(viewer.stop)
+            return viewer
+
+        yield start
+
+
+@pytest.fixture
+def look(browser):
+    """Open pages; a page error fails the test at its end."""
+    errors = []
+    contexts = []
+
+    def open_page(address, context=None, node="/wing", text="Reset view", query="", **options):
+        if context is None:
+            context = browser.new_context(**{"viewport": {"width": 1280, "height": 720}} | options)
+            contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(1e3 * SECONDS)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+        page.goto(f"{address}?fixedDpr=1{query}")
+        page.wait_for_function(f"() => {NODE.format(node)}")
+        page.get_by_text(text, exact=True).wait_for(state="attached")
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert errors == []

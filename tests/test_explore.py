@@ -14,7 +14,7 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer.explore.keys import CHOICE, FIRST, NUMBER, SWITCH, WHOLE, controls, value_of
 from taichiflap_viewer.explore.session import BEATS, brief, short_text
 from taichiflap_viewer.explore.viewer import Explorer
-from taichiflap_viewer.explore.worker import BEGUN, Worker
+from taichiflap_viewer.explore.worker import BEGUN, Worker, received
 from test_viewer import CAMERA
 from websockets.sync.client import connect
 
@@ -95,7 +95,7 @@ def test_the_worker_computes_what_simulate_does_and_gives_up_what_nobody_wants(m
         first, second = Browser(shared), Browser(shared)
         path, reason, seconds = first.wait(first.ask(case))
         assert (reason, seconds > 0.0) == ("", True)
-        with taichiflap.open_result(path) as found, taichiflap.simulate(case, threads=1) as expected:
+        with received(path) as found, taichiflap.simulate(case, threads=1) as expected:
             np.testing.assert_array_equal(found.force_z, expected.force_z)
         # A case that cannot be computed is a sentence, and the worker goes on.
         broken = case.changed({"wing.youngs_modulus": 1.0, "fluid.density": 0.0, "motion.frequency": 100.0})
@@ -132,7 +132,7 @@ def test_a_long_run_is_shown_as_it_is_computed_and_lets_others_go_first():
         shared.ask(quick, short)
         until(lambda: len(order) == 3)
         assert [one[0] for one in order] == ["slow", "quick", "slow"]
-        with taichiflap.open_result(order[2][2]) as found, taichiflap.simulate(long, threads=1) as expected:
+        with received(order[2][2]) as found, taichiflap.simulate(long, threads=1) as expected:
             np.testing.assert_array_equal(found.force_z, expected.force_z)
     finally:
         shared.close()

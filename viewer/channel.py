@@ -121,6 +121,6 @@ def _is_number(value: Any) -> bool:
 KINDS: dict[str, Callable[[Any], Any]] = {
     **dict.fromkeys(("frame", "skip", "edge", "reversal", "beat", "beats"), _number),
     "play": lambda _: True, "speed": _one_of(SPEEDS), "loop": _one_of(LOOPS), "range": _numbers(2),
-    "cursor": _numbers(2), "view": _numbers(3), "address": _texts,
+    "cursor": _numbers(2), "release": _numbers(2), "view": _numbers(3), "address": _texts,
 }  # fmt: skip
 """What a page may ask for, and what takes the value: None for one that no page would send."""

@@ -18,6 +18,7 @@ from .frame import Array
 from .frames import Run
 from .legend import Bar
 from .scene import ARROWS, arrows
+from .streaks import Streaks
 
 NONE, VORTICITY, SPEED = BACKGROUNDS = ("none", "vorticity", "speed")
 ACROSS, FINE = 256, 288
@@ -128,16 +129,18 @@ class Fields:
 
     Args:
         worker: this thread, if it exists.
+        warm: whether to start Taichi now.
     """
 
-    def __init__(self, run: Run, worker: ThreadPoolExecutor | None = None) -> None:
+    def __init__(self, run: Run, worker: ThreadPoolExecutor | None = None, warm: bool = True) -> None:
         self.run = run
         self._owns = worker is None
         self._worker = worker or ThreadPoolExecutor(1, thread_name_prefix="field")
         self._lock = threading.Lock()
         self._flows: OrderedDict[tuple[int, int, Wanted], Future[Flow]] = OrderedDict()
         self._limits: dict[str, float] = {}
-        if run.draws_flow:
+        self.streaks = Streaks(run, self._worker)
+        if warm and run.draws_flow:
             # Taichi takes a second to start, and holds up all else: now, before there is a page to hold up.
             self._worker.submit(self._warm_up)
 

@@ -4,10 +4,13 @@ Only this module reads the file. Frames are kept in a small cache shared by all 
 """
 
 import contextlib
+import tempfile
 import threading
 import time
 from collections import OrderedDict
+from pathlib import Path
 
+import h5py
 import numpy as np
 
 from taichiflap import Result, fluids
@@ -50,7 +53,6 @@ class Run:
         ranges, box: scales of colours and arrows, and the box (left, bottom, right, top; chords) of the initial view.
             For a growing run they are updated each time its length doubles, and when it is complete.
         surveys: number of these updates.
-        content: content of the file in bytes, if kept in memory.
     """
 
     def __init__(self, result: Result, label: str, like: "Run | None" = None) -> None:
@@ -74,7 +76,6 @@ class Run:
         self.surveys = self._surveyed = 0
         self._given: tuple[Ranges, Array] | None = None if like is None else (like.ranges, like.box)
         self._summary: Summary | None = None
-        self.content = b""
         if not result.frames:
             raise ResultError(f"{result.path}: has no frame yet")
         self._model = fluids.known(self.case.solver)
@@ -157,6 +158,16 @@ class Run:
         """Close the file."""
         with self._lock:
             self.result.close()
+
+    def content(self) -> bytes:
+        """The result's file."""
+        with self._lock:
+            if isinstance(self.result.file, h5py.File):
+                return self.result.file.id.get_file_image()
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder, "result.h5")
+                self.result.save(path)
+                return path.read_bytes()
 
     def turns(self, index: int) -> float:
         """The time of a frame, in beats."""

@@ -107,6 +107,12 @@ const taichiflap = (() => {
     if (text && navigator.clipboard) navigator.clipboard.writeText(text.textContent);
   }, true);
 
+  // A double click in the scene releases fluid there.
+  addEventListener("dblclick", (event) => {
+    const page = window.__viserMutable;
+    if (page && event.target === page.canvas) send("release", scenePlace(event.clientX, event.clientY));
+  }, true);
+
   function look() {
     requestAnimationFrame(look);
     if (cursor && performance.now() - sent > 60) { send("cursor", cursor); sent = performance.now(); cursor = null; }

@@ -53,7 +53,7 @@ class Panel:
                     (name == "wake" and not run.has_wake)
                     or (name == "sheets" and not run.has_sheets)
                     or (name == "stroke" and run.path is None)
-                    or (name in ("arrows", "streamlines") and not run.draws_flow)
+                    or (name in ("arrows", "streamlines", "streaks") and not run.draws_flow)
                     or (name == "streamlines" and not run.has_streamlines)
                 )
                 self.layers[name] = gui.add_checkbox(title, playback.layers[name], disabled=missing, hint=hint)

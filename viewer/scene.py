@@ -19,7 +19,17 @@ from .frame import Array, Frame
 from .frames import Run
 from .survey import Ranges
 
-FIELD, ARROWS, PLANE, WAKE, GHOST, LOAD, WING, FORCE = 0.05, 0.045, 0.04, 0.03, -0.01, -0.02, -0.03, -0.04
+FIELD, ARROWS, PLANE, WAKE, STREAK, GHOST, LOAD, WING, FORCE = (
+    0.05,
+    0.045,
+    0.04,
+    0.03,
+    0.005,
+    -0.01,
+    -0.02,
+    -0.03,
+    -0.04,
+)
 """Depth of each layer, chords away from the viewer."""
 WAKE_DEPTH = 0.02
 """Depth between strong and weak vortices."""
@@ -39,6 +49,7 @@ LAYERS = {
     "load": ("Local force", "the fluid's force along the chord"),
     "arrows": ("Flow arrows", "the fluid's velocity, over a background"),
     "streamlines": ("Streamlines", "of the fluid, over a background"),
+    "streaks": ("Streak lines", "of fluid that passed the wing's edges in the last beat; a double click adds a point"),
     "riding": ("Wing's frame", "the wing stands still and the fluid moves"),
 }
 """Title and description of each layer."""
@@ -49,7 +60,7 @@ def default_layers(run: Run) -> dict[str, bool]:
     wake, pictured = run.has_wake, run.stores_vorticity
     shown = {"wake": wake, "sheets": False, "ghost": not pictured, "stroke": True, "force": True}
     details = not (wake or pictured)
-    flow = {"arrows": not pictured, "streamlines": False, "riding": False}
+    flow = {"arrows": not pictured, "streamlines": False, "streaks": False, "riding": False}
     return shown | {"velocity": details, "load": details} | flow
 
 

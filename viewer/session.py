@@ -7,21 +7,24 @@ from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
+import numpy as np
+
 from taichiflap.errors import UserError
 
-from . import camera, compare, timeline
+from . import address, camera, compare, timeline
 from .background import AHEAD, Background
 from .bar import Bar
 from .channel import Channel
 from .charts import Charts, caption
 from .colours import theme
-from .field import BACKGROUNDS, NONE, VORTICITY, Fields, Wanted
+from .field import NONE, VORTICITY, Fields, Wanted
 from .frames import Run
 from .legend import legend
 from .paint import paint
 from .panel import Panel
 from .scene import Actor, Stage, default_layers, set_up
 from .server import notice
+from .streak_lines import StreakLines
 from .timeline import Playback
 
 BESIDE_SECONDS = 0.12
@@ -56,14 +59,14 @@ class Session:
     """
 
     def __init__(self, client: Any, runs: Sequence[Run], playback: Playback, fields: Fields) -> None:
-        self.client, self.runs, self.playback, self.fields = client, list(runs), playback, fields
+        self.client, self.runs, self.playback = client, list(runs), playback
         self.run = runs[0]
         self._lock = threading.RLock()
-        self.background = Background(client, fields, self._lock, self._tell_legend)
+        self._follow_flow(fields)
         self._beside = 0.0
         self._started = False
         self._cursor: tuple[float, float] | None = None
-        self._usual = self._chosen(playback)
+        self._usual = address.chosen(playback)
         with client.atomic():
             self._set_theme()
             self.panel = Panel(client, self.run, playback, self.act)
@@ -75,6 +78,12 @@ class Session:
         if not camera.lock_rotation(client):
             with contextlib.suppress(Exception):
                 client.add_notification("The view can rotate", NOT_LOCKED)
+
+    def _follow_flow(self, fields: Fields) -> None:
+        """Show the flow of another result."""
+        self.fields = fields
+        self.background = Background(self.client, fields, self._lock, self._tell_legend)
+        self.streak_lines = StreakLines(self.client, fields.streaks, self._lock)
 
     def start(self, playback: Playback) -> None:
         """Start updates of the page when it is ready; earlier updates would only delay it."""
@@ -129,13 +138,18 @@ class Session:
 
     def _show(self, index: int) -> None:
         wanted, coming = self._look(), []
-        if self.playback.playing and wanted.kind != NONE:
+        streaks = self.run.draws_flow and self.playback.layers["streaks"]
+        if self.playback.playing and (wanted.kind != NONE or streaks):
             step, stride = self.background.step, self.background.stride
             index, coming = step(index), [step(one) for one in timeline.coming(self.run, self.playback, stride, AHEAD)]
         for actor in self.actors:
             here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
             actor.show(here, self._layers(actor))
         self.background.show(wanted, index, self.theme, coming)
+        if streaks:
+            self.streak_lines.show(index, self.playback.points, wanted.riding, self.theme, coming)
+        else:
+            self.streak_lines.hide()
         self._tell_cursor()
         text = self.run.frame(index).text
         self.stage.show(text, self.playback.layers["stroke"] and not wanted.riding)
@@ -154,6 +168,8 @@ class Session:
                 playback.layers[name] = bool(value)
                 if name == "riding":
                     self._change_frame()
+                elif name == "streaks":
+                    playback.points = ()
             elif name in ("loop", "window", "background"):
                 setattr(playback, name, value)
             else:
@@ -215,44 +231,36 @@ class Session:
     def _point_at(self, place: tuple[float, float]) -> None:
         self._cursor = place
 
-    def _take_address(self, chosen: dict[str, str]) -> None:
-        """Go where the address says; what this run does not have is left."""
-        playback, dark = self.playback, chosen.get("dark") == "1"
-        if "layers" in chosen:
-            names = chosen["layers"].split(",")
-            riding, playback.layers = playback.layers["riding"], {name: name in names for name in playback.layers}
-            if riding != playback.layers["riding"]:
-                self._change_frame()
-        if chosen.get("background") in BACKGROUNDS and self.run.draws_flow:
-            playback.background = chosen["background"]
-            self._tell_legend()
-        if "charts" in chosen:
-            self._choose_charts(chosen["charts"].split(","))
-        if chosen.get("frame", "").isdecimal():
-            timeline.seek(self.run, playback, int(chosen["frame"]))
-        if dark != playback.dark:
-            self._darken(dark)
+    def _release_at(self, place: tuple[float, float]) -> None:
+        """Release fluid at a point of the scene, and show its streak line."""
+        if not self.run.draws_flow:
+            return
+        playback, run = self.playback, self.run
+        point = run.standpoint(playback.frame, playback.layers["riding"]).points(run.chord * np.array(place))
+        right, up = np.round(run.page.on_page(*point) / run.chord, 3)
+        playback.points = (*playback.points, (float(right), float(up)))[-address.MOST :]
+        playback.layers["streaks"] = True
         self.panel.take(playback)
 
-    @staticmethod
-    def _chosen(playback: Playback) -> dict[str, str]:
-        """What somebody chose, as the address holds it."""
-        layers = ",".join(name for name, shown in playback.layers.items() if shown)
-        return {
-            "layers": layers, "background": playback.background, "dark": str(int(playback.dark)),
-            "charts": ",".join(playback.charts),
-        }  # fmt: skip
+    def _take_address(self, texts: dict[str, str]) -> None:
+        """Go where the address says."""
+        before, self.playback = self.playback, address.taken(texts, self.playback, self.run)
+        if self.playback.layers["riding"] != before.layers["riding"]:
+            self._change_frame()
+        if self.playback.background != before.background:
+            self._tell_legend()
+        if self.playback.charts != before.charts:
+            self._choose_charts(self.playback.charts)
+        if self.playback.dark != before.dark:
+            self._darken(self.playback.dark)
+        self.panel.take(self.playback)
 
     def _tell_address(self) -> None:
         if self._started:
             self.channel.tell_address(self._address())
 
     def _address(self) -> dict[str, str | None]:
-        """The address holds the frame of a run that stands still, and what is other than usual."""
-        playback = self.playback
-        moving = playback.playing or playback.follow
-        held = {name: None if value == self._usual[name] else value for name, value in self._chosen(playback).items()}
-        return held | {"frame": None if moving else str(playback.frame)}
+        return address.held(self.playback, self._usual)
 
     def _tell_cursor(self) -> None:
         if self._cursor is not None and self.playback.background != NONE:
@@ -285,6 +293,7 @@ class Session:
         "reset": _reset_view,
         "view": _look_at,
         "cursor": _point_at,
+        "release": _release_at,
         "address": _take_address,
         "dark": _darken,
     }
@@ -302,6 +311,7 @@ class Session:
         scene.reset()
         self._surveys = [run.surveys for run in self.runs]
         self.background.forget()
+        self.streak_lines.forget()
         self.stage, self.actors = self._set_up()
         self.panel.caption.content = self._caption()
         if len(self.runs) > 1:

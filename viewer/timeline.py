@@ -20,6 +20,7 @@ class Playback:
         range: first and last frame of the user-defined loop.
         follow: stay at the newest frame of a run that is still being computed.
         charts: names of the variables in the charts; none for the usual ones.
+        points: positions on the page, chords, whose streak lines are shown.
         layers: names of the layers that differ from their default visibility.
     """
 
@@ -34,6 +35,7 @@ class Playback:
     window: str = LAST_BEAT
     charts: tuple[str, ...] = ()
     layers: dict[str, bool] = field(default_factory=dict)
+    points: tuple[tuple[float, float], ...] = ()
 
     @property
     def frame(self) -> int:

@@ -182,8 +182,11 @@ class MemoryResult(Result):
         return self._recorded.own
 
     def _said(self, names: Iterable[str]) -> dict[str, Any]:
-        said = self._recorded.said(self._ending)
-        return {name: said[name] for name in names if name in said}
+        return {name: self._everything[name] for name in names if name in self._everything}
+
+    @functools.cached_property
+    def _everything(self) -> dict[str, Any]:
+        return self._recorded.said(self._ending)
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the result to a file, see `Result.save`."""

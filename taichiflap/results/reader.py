@@ -76,7 +76,10 @@ class Result:
         self._open: dict[str, Any] = {}
 
     def __getattr__(self, name: str) -> np.ndarray:
-        if name.startswith("_") or name not in self.variables:
+        # Its own attributes are looked for here while it is being unpickled.
+        if name.startswith("_") or "file" not in self.__dict__:
+            raise AttributeError(name)
+        if name not in self.variables:
             raise AttributeError(f"this result has no variable {name!r}; it has {', '.join(self.variables)}")
         return self._sound(name, self.file[name][: self._rows(name)])
 

@@ -84,7 +84,7 @@ def modes(wing: Wing) -> Modes:
     rigid = float(mass.sum()), float(mass @ y), float(mass @ y**2)
     if not wing.modes:
         none = np.zeros(0)
-        return Modes(wing.chord, none, damping, none, none, *rigid, lambda s: _cantilevers(none, 1.0, s))
+        return Modes(wing.chord, none, damping, none, none, *rigid, functools.partial(_cantilevers, none, 1.0))
     from . import ritz  # noqa: PLC0415  (SciPy is for wings that need it)
 
     bent = ritz.modes(section, wing.modes)
@@ -111,7 +111,7 @@ def _uniform(wing: Wing, damping: Array, offset: float) -> Modes:
         mass=mass,
         first_moment=mass * (centre - offset),
         second_moment=mass * wing.chord**2 / 3.0 - mass * offset * (wing.chord - offset),
-        _shape=lambda s: _cantilevers(beta, mass, s),
+        _shape=functools.partial(_cantilevers, beta, mass),
     )
 
 

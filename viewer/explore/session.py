@@ -10,7 +10,6 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from taichiflap import open_result
 from taichiflap.case.case import Case, CaseError, load_case
 from taichiflap.case.shipped import FOLDER, names
 from taichiflap.errors import UserError
@@ -18,7 +17,6 @@ from taichiflap.notation import short
 from taichiflap.scored import nearest
 
 from .. import compare
-from ..background import Background
 from ..charts import Charts
 from ..colours import RUNS
 from ..field import Fields, Wanted
@@ -29,7 +27,7 @@ from ..session import Session, opening
 from ..timeline import Playback
 from .keys import value_of
 from .sliders import Sliders
-from .worker import BEGUN, Worker
+from .worker import BEGUN, Worker, received
 
 GHOST = Look("/pinned", (140, 146, 156), "circle", 3.0, -0.005)
 """How the pinned result's wing looks, behind the other's."""
@@ -268,7 +266,7 @@ class ExploreSession(Session):
         self.client.send_file_download("case.toml", self.case.to_toml().encode(), save_immediately=True)
 
     def _keep_result(self) -> None:
-        self.client.send_file_download("result.h5", self.run.content, save_immediately=True)
+        self.client.send_file_download("result.h5", self.run.content(), save_immediately=True)
 
     def _try(self, deed: Callable[[], None], _: Any) -> None:
         try:
@@ -290,15 +288,11 @@ class ExploreSession(Session):
                     self._message.content = notice(reason)
                 return
             try:
-                content = b"" if begun else path.read_bytes()
-                run = Run(open_result(path), "now", like=self.run)
-                if not begun:
-                    path.unlink()
+                run = Run(received(path), "now", like=self.run)
             except (UserError, OSError) as error:
                 if not begun:
                     self._message.content = notice(str(error))
                 return
-            run.content = content
             failed = notice(f"The run failed: {run.reason}") if run.status == "failed" else ""
             self._message.content = failed + _took(case, seconds, begun)
             self._take(run, what)
@@ -317,9 +311,9 @@ class ExploreSession(Session):
                 self.playback.follow = run.live
                 self.playback.position = float(run.frames - 1 if run.live else run.index_at(turns))
                 self.bar.tell(run)
-                if self.playback.background != "none":
-                    self.background.show(Wanted(), 0, self.theme)
-                    self.background = Background(self.client, Fields(run, self._pool), self._lock, self._tell_legend)
+                self.background.show(Wanted(), 0, self.theme)
+                self.streak_lines.hide()
+                self._follow_flow(Fields(run, self._pool, warm=False))
             self._refresh()
             if old not in (self.run, self.pinned):
                 self._drop(old)

@@ -8,14 +8,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from taichiflap import open_result
 from taichiflap.case.case import load_case
 
 from .. import camera
 from ..frames import Run
 from ..server import Server, ViewError, announce
 from .session import ExploreSession, brief
-from .worker import BEGUN, Worker
+from .worker import BEGUN, Worker, received
 
 
 class Explorer(Server):
@@ -77,11 +76,7 @@ class Explorer(Server):
         path, reason = found[0]
         if path is None:
             raise ViewError(reason)
-        content = path.read_bytes()
-        run = Run(open_result(path), "pinned")
-        path.unlink()
-        run.content = content
-        return run
+        return Run(received(path), "pinned")
 
     def _connect(self, client: Any) -> None:
         session = ExploreSession(client, self.case, self.command, self.run, self.worker, self._pool)

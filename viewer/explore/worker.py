@@ -8,6 +8,7 @@ import contextlib
 import itertools
 import multiprocessing
 import os
+import pickle
 import signal
 import tempfile
 import threading
@@ -16,9 +17,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from taichiflap import Result, fluids, open_result
 from taichiflap.case.case import Case, parse_case
 from taichiflap.errors import UserError
-from taichiflap.results.reader import part
+from taichiflap.results.reader import PART, part
 
 PATIENCE = 0.5
 """Maximum remaining time, s, of an outdated run that is completed."""
@@ -29,6 +31,12 @@ LONG = 1.0
 """A run that takes more seconds is shown while it is computed, and lets the wishes of other browsers go first."""
 DEEPEST = 3
 """Runs at most that stand still for another's, one inside the other."""
+SHORT = 0.3
+"""A run that takes fewer seconds, probably, is handed over in memory: its file takes longer than its flow."""
+PAIRS_A_SECOND = 1e9
+"""Approximate speed of a run, pair interactions a second."""
+MEMORY = ".memory"
+"""Suffix of such a result."""
 BEGUN = "begun"
 """What is said, in the place of a reason, of a file that is being written."""
 
@@ -125,6 +133,20 @@ class Worker:
         self.ready.set()
 
 
+def received(path: Path) -> Result:
+    """The result that an answer names; only one that is still being written keeps its file.
+
+    Raises:
+        OSError: if it is gone.
+        ResultError: if the file cannot be read.
+    """
+    # Written by our own process, in a folder of its own.
+    result: Result = pickle.loads(path.read_bytes()) if path.suffix == MEMORY else open_result(path)
+    if path.suffix != PART:
+        path.unlink()
+    return result
+
+
 def _work(pipe: Any, wanted: Any, folder: str, threads: int | None, first: dict[str, Any]) -> None:
     """Main function of the process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -171,7 +193,9 @@ class _Desk:
     def _compute(self, place: int, number: int, document: dict[str, Any]) -> tuple[Path | None, str, float]:
         from taichiflap import simulate  # noqa: PLC0415 - in this process alone
 
-        path = self._folder / f"{number}.h5"
+        case = parse_case(document)
+        short = _seconds(case) < SHORT
+        path = self._folder / f"{number}{MEMORY if short else '.h5'}"
         began, others, told = time.perf_counter(), 0.0, False
 
         def progress(done: int, total: int) -> None:
@@ -188,7 +212,10 @@ class _Desk:
             others += self._let_others_go_first()
 
         try:
-            simulate(parse_case(document), path, threads=self._threads, progress=progress).close()
+            result = simulate(case, None if short else path, threads=self._threads, progress=progress)
+            if short:
+                path.write_bytes(pickle.dumps(result, pickle.HIGHEST_PROTOCOL))
+            result.close()
         except _GivenUp:
             reason = ""
         except (UserError, OSError, ValueError, RuntimeError) as error:
@@ -210,3 +237,9 @@ class _Desk:
             finally:
                 self._depth -= 1
         return time.perf_counter() - began
+
+
+def _seconds(case: Case) -> float:
+    """About how long a case takes."""
+    resolved = case.resolved()
+    return fluids.load(case.solver).work(resolved, resolved.steps // 2) * resolved.steps / PAIRS_A_SECOND

@@ -65,7 +65,9 @@ def reynolds(case: Case) -> float:
     """Mean speed of the pivot through the fluid, or of the trailing edge if the pivot rests, times chord over
     viscosity."""
     first = case.motion.growth
-    span = 1.0 / case.motion.frequency if case.motion.frequency else max(case.duration - first, case.step)
+    # Of the case as it was given: an automatic time step follows from the Reynolds number.
+    duration = case.time.duration or 0.0
+    span = 1.0 / case.motion.frequency if case.motion.frequency else max(duration - first, duration / TIMES)
     moved = sampling.sample(case.motion, first + span * np.arange(TIMES) / TIMES)
     y, z = moved[:, SURGE_RATE] - case.fluid.velocity[0], moved[:, PLUNGE_RATE] - case.fluid.velocity[1]
     turning = (1.0 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
