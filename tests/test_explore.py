@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import viser
 from conftest import CASES, hawkmoth
+from taichiflap_viewer.explore.change import BEATS, brief, changed, short_text
 from taichiflap_viewer.explore.keys import CHOICE, FIRST, NUMBER, SWITCH, WHOLE, controls, value_of
-from taichiflap_viewer.explore.session import BEATS, brief, short_text
 from taichiflap_viewer.explore.viewer import Explorer
 from taichiflap_viewer.explore.worker import BEGUN, Worker, received
 from test_viewer import CAMERA
@@ -218,7 +218,7 @@ def test_a_browser_compares_models_and_takes_other_cases(tmp_path, capfd):
         settled(one)
         assert "dbet.elements" in one.sliders.keys
         # The Navier-Stokes equations ask for a viscosity, which no other model needs.
-        assert one._with({"solver": "navier_stokes"}).fluid.viscosity == 1.5e-5
+        assert changed(one.case, {"solver": "navier_stokes"}).fluid.viscosity == 1.5e-5
     assert "Traceback" not in capfd.readouterr().err
 
 

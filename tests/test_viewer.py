@@ -20,8 +20,8 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer import Viewer, ViewError, app, camera, charts, compare, field, timeline, wire
 from taichiflap_viewer.colours import DARK, LIGHT, linear
 from taichiflap_viewer.frames import Run
-from taichiflap_viewer.scene import set_up
 from taichiflap_viewer.session import opening
+from taichiflap_viewer.stage import set_up
 from websockets.sync.client import connect
 
 import taichiflap

@@ -21,9 +21,9 @@ from .explore.visit import Visit
 from .explore.worker import Worker
 from .field import Fields
 from .frames import Run
-from .scene import set_up
 from .server import Server, ViewError, announce
 from .session import opening
+from .stage import set_up
 from .timeline import Playback
 
 LOOK_SECONDS = 0.25

@@ -15,15 +15,15 @@ import numpy as np
 
 from taichiflap import Result, fluids
 from taichiflap.drawing import flow, scene
-from taichiflap.drawing.orientation import INERTIAL, WING, Orientation, Standpoint
+from taichiflap.drawing.orientation import INERTIAL, WING, Standpoint
 from taichiflap.errors import UserError
 from taichiflap.fluids.interface import FlowField, Velocity
 from taichiflap.metrics.summary import Summary, summarise
-from taichiflap.metrics.waves import reversals
 from taichiflap.motion import sampling
 from taichiflap.motion.stream import in_stream
 from taichiflap.results.reader import ResultError
 
+from .clock import Clock
 from .frame import Array, Frame
 from .survey import HEADROOM, Ranges, survey
 from .watch import Watch
@@ -38,7 +38,7 @@ SURVEYED = 12
 """Number of frames used to choose colour ranges and the initial view."""
 
 
-class Run:
+class Run(Clock):
     """A result file, complete or growing, shared by all browsers.
 
     Args:
@@ -47,7 +47,6 @@ class Run:
         like: another run whose ranges and initial view are used.
 
     Attributes:
-        page: orientation of the page.
         path: both ends of the pivot's path in the last beat, chords, shape (2, 2); None if it is at rest.
         trouble: sentence about a changed or deleted file; empty if it is unchanged.
         ranges, box: scales of colours and arrows, and the box (left, bottom, right, top; chords) of the initial view.
@@ -58,18 +57,12 @@ class Run:
     def __init__(self, result: Result, label: str, like: "Run | None" = None) -> None:
         self.result = result
         self.label = label
-        self.case = result.case
+        super().__init__(result.case)
         self.chord = self.case.wing.chord
         self.title = self.case.title or label
-        self.page = Orientation.of(self.case)
-        self.frames_per_beat = self.case.steps_per_beat / self.case.output.every
-        self.steps_per_beat = self.case.steps_per_beat
         self.trouble = ""
         self._document = result.attributes["case"]
         self._begin_to_watch()
-        # A non-periodic motion is undefined beyond its end.
-        beats = 1.0 + self.case.motion.growth / self.case.beat if self.case.periodic else 1.0
-        self._turns = len(reversals(self.case, 0.0, beats)) > 0
         self._lock = threading.RLock()
         self._cache: OrderedDict[int, Frame] = OrderedDict()
         self._held = 0
@@ -117,11 +110,6 @@ class Run:
         left = seconds * (self.case.steps + 1 - self.steps) / done
         return f"{share}, {left:.0f} s left" if left < 100.0 else f"{share}, {left / 60.0:.0f} min left"
 
-    @property
-    def beats(self) -> int:
-        """Number of whole beats; at least one."""
-        return max(1, int(round((self.steps - 1) / self.steps_per_beat, 9)))
-
     def refresh(self) -> bool:
         """Check for new frames and for a changed file; returns whether anything has changed."""
         with self._lock:
@@ -168,52 +156,6 @@ class Run:
                 path = Path(folder, "result.h5")
                 self.result.save(path)
                 return path.read_bytes()
-
-    def turns(self, index: int) -> float:
-        """The time of a frame, in beats."""
-        return float(self.case.step_of(index)) / self.steps_per_beat
-
-    def beat_of(self, index: int) -> tuple[int, float]:
-        """Beat of a frame, counted from 1, and t/T within it; the end of a run belongs to its last beat."""
-        passed = round(self.turns(index), 9)
-        number = int(passed)
-        if 0 < passed == number and index == self.frames - 1:
-            number -= 1
-        return number + 1, passed - number
-
-    def index_at(self, beats: float) -> int:
-        """The frame nearest to a time in beats."""
-        last = self.frames - 1
-        found = min(max(round(beats * self.frames_per_beat), 0), last)
-        # The last frame of a run may have a shorter interval than the others.
-        return last if abs(self.turns(last) - beats) < abs(self.turns(found) - beats) else found
-
-    def step_at(self, beats: float) -> int:
-        """The step nearest to a time in beats."""
-        return min(max(round(beats * self.steps_per_beat), 0), self.steps - 1)
-
-    def reversals(self) -> list[int]:
-        """Frames of the stroke reversals, in order; empty without plunge."""
-        found = reversals(self.case, 0.0, self.turns(self.frames - 1))
-        return [self.index_at(float(beats)) for beats in found]
-
-    def half_stroke(self, index: int) -> str:
-        """Direction of the half-stroke at a frame; empty if the wing does not plunge back and forth."""
-        if not self._turns:
-            return ""
-        # A reversal belongs to the half-stroke that follows it.
-        rate = self._moving(self._time(index) + 1e-6 * self.case.beat)[sampling.PLUNGE_RATE]
-        right, up = self.page.on_page(0.0, rate)
-        if abs(up) > abs(right):
-            return "upstroke" if up > 0.0 else "downstroke"
-        return "half-stroke to the right" if right > 0.0 else "half-stroke to the left"
-
-    def when(self, index: int) -> str:
-        """The time of a frame as text."""
-        if not self.case.periodic:
-            return scene.when(self.case, self.turns(index))
-        number, part = self.beat_of(index)
-        return f"beat {number}   t/T = {part:.3f}"
 
     def frame(self, index: int) -> Frame:
         """A frame, from the cache if it was shown lately.
@@ -288,7 +230,7 @@ class Run:
 
     def carried(self, index: int) -> flow.Carried:
         """How points that move with the wing move in a frame."""
-        return flow.Carried.at(self.case, self._time(index))
+        return flow.Carried.at(self.case, self.time(index))
 
     def extent(self, riding: bool) -> flow.Extent:
         """How far the stored vorticity of the last beat reaches, m, and the limit of its colours."""
@@ -329,7 +271,7 @@ class Run:
         result, scale, on_page = self.result, 1.0 / self.chord, self.page.on_page
         plunge, pitch = float(result.frame("plunge", index)), float(result.frame("pitch", index))
         surge = float(result.frame("surge", index)) if "surge" in self.variables else 0.0
-        moving = self._moving(self._time(index))
+        moving = self.moving(self.time(index))
         plunge_rate, pitch_rate, surge_rate = moving[[sampling.PLUNGE_RATE, sampling.PITCH_RATE, sampling.SURGE_RATE]]
         along = on_page(np.cos(pitch), np.sin(pitch))
         across = on_page(-np.sin(pitch), np.cos(pitch))
@@ -361,13 +303,6 @@ class Run:
             age=self.turns(index) - wake["birth"] / self.steps_per_beat,
             edge=wake["edge"].astype(int),
         )
-
-    def _time(self, index: int) -> float:
-        return self.turns(index) * self.case.beat
-
-    def _moving(self, moment: float) -> Array:
-        """The prescribed motion at a time (s) of the run."""
-        return sampling.sample(self.case.motion, np.array([min(moment, self.case.duration)]))[0]
 
     def _reach(self) -> Array | None:
         first = max(0, round(self.frames - 1 - self.frames_per_beat))

@@ -22,8 +22,9 @@ from .frames import Run
 from .legend import legend
 from .paint import paint
 from .panel import Panel
-from .scene import Actor, Stage, default_layers, set_up
+from .scene import Actor, default_layers
 from .server import notice
+from .stage import Stage, set_up
 from .streak_lines import StreakLines
 from .timeline import Playback
 
@@ -172,50 +173,14 @@ class Session:
                     playback.points = ()
             elif name in ("loop", "window", "background"):
                 setattr(playback, name, value)
+            elif name in timeline.CONTROLS:
+                timeline.CONTROLS[name](self.run, playback, value)
             else:
                 self._deeds[name](self, value)
             if name in ("background", "arrows", "riding"):
                 self._tell_legend()
             self.show()
             self._tell_address()
-
-    def _play(self, _: Any) -> None:
-        self.playback.playing = not self.playback.playing
-        self.playback.follow = False
-
-    def _seek(self, frame: float) -> None:
-        timeline.seek(self.run, self.playback, round(frame))
-
-    def _skip(self, frames: float) -> None:
-        timeline.step(self.run, self.playback, round(frames))
-
-    def _skip_beats(self, beats: float) -> None:
-        timeline.seek(self.run, self.playback, self.run.index_at(self.run.turns(self.playback.frame) + beats))
-
-    def _go_to_edge(self, edge: float) -> None:
-        timeline.seek(self.run, self.playback, self.run.frames - 1 if edge else 0)
-
-    def _go_to_reversal(self, way: float) -> None:
-        frame = timeline.next_reversal(self.run, self.playback, way > 0)
-        if frame is not None:
-            timeline.seek(self.run, self.playback, frame)
-
-    def _go_to_time(self, beats: float) -> None:
-        timeline.seek(self.run, self.playback, self.run.index_at(beats))
-
-    def _set_range(self, ends: tuple[float, float]) -> None:
-        first, last = (min(max(round(end), 0), self.run.frames - 1) for end in sorted(ends))
-        if first < last:
-            self.playback.range, self.playback.loop = (first, last), timeline.RANGE
-
-    def _set_speed(self, name: str) -> None:
-        self.playback.speed = timeline.SPEEDS[name]
-
-    def _set_follow(self, follow: bool) -> None:
-        self.playback.follow = bool(follow)
-        if follow:
-            self.playback.playing = False
-            self.playback.position = float(self.run.frames - 1)
 
     def _choose_charts(self, names: Sequence[str]) -> None:
         self.playback.charts = tuple(names)
@@ -279,16 +244,6 @@ class Session:
             self._build()
 
     _deeds: dict[str, Callable[["Session", Any], None]] = {  # noqa: RUF012 - the same for all
-        "play": _play,
-        "frame": _seek,
-        "skip": _skip,
-        "edge": _go_to_edge,
-        "reversal": _go_to_reversal,
-        "beat": _skip_beats,
-        "beats": _go_to_time,
-        "range": _set_range,
-        "speed": _set_speed,
-        "follow": _set_follow,
         "charts": _choose_charts,
         "reset": _reset_view,
         "view": _look_at,

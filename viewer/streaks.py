@@ -90,13 +90,13 @@ class Streaks:
 
     def _velocity(self, particles: Array, frame: int, share: float) -> Array:
         """Velocity (m/s) of particles a share of the way from a frame to the next."""
-        out = np.isfinite(particles[0])
-        found, places = np.full_like(particles, np.nan), particles[:, out]
-        found[:, out] = sum(
-            weight * np.nan_to_num(flow(places))
-            for weight, flow in ((1.0 - share, self._flow(frame)), (share, self._flow(frame + 1)))
-            if weight and flow
-        )
+        out, found = np.isfinite(particles[0]), np.full(particles.shape, np.nan)
+        places = particles[:, out].astype(np.float64)
+        moving = np.zeros_like(places)
+        for weight, flow in ((1.0 - share, self._flow(frame)), (share, self._flow(frame + 1))):
+            if weight and flow:
+                moving += weight * np.nan_to_num(flow(places))
+        found[:, out] = moving
         return found
 
     def _flow(self, frame: int) -> Velocity | None:

@@ -1,7 +1,9 @@
 """Playback: the current and the next frame of a browser. Independent of the browser itself."""
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from .frames import Run
 
@@ -95,3 +97,46 @@ def next_reversal(run: Run, playback: Playback, forward: bool) -> int | None:
     reversals = run.reversals()
     place = bisect_right(reversals, playback.frame) if forward else bisect_left(reversals, playback.frame) - 1
     return reversals[place] if 0 <= place < len(reversals) else None
+
+
+def _toggle(_: Run, playback: Playback, __: Any) -> None:
+    playback.playing = not playback.playing
+    playback.follow = False
+
+
+def _go_to_reversal(run: Run, playback: Playback, way: float) -> None:
+    frame = next_reversal(run, playback, way > 0)
+    if frame is not None:
+        seek(run, playback, frame)
+
+
+def _set_range(run: Run, playback: Playback, ends: tuple[float, float]) -> None:
+    first, last = (min(max(round(end), 0), run.frames - 1) for end in sorted(ends))
+    if first < last:
+        playback.range, playback.loop = (first, last), RANGE
+
+
+def _set_speed(_: Run, playback: Playback, name: str) -> None:
+    playback.speed = SPEEDS[name]
+
+
+def _set_follow(run: Run, playback: Playback, follow: bool) -> None:
+    playback.follow = bool(follow)
+    if follow:
+        playback.playing = False
+        playback.position = float(run.frames - 1)
+
+
+CONTROLS: dict[str, Callable[[Run, Playback, Any], None]] = {
+    "play": _toggle,
+    "frame": lambda run, playback, frame: seek(run, playback, round(frame)),
+    "skip": lambda run, playback, frames: step(run, playback, round(frames)),
+    "edge": lambda run, playback, edge: seek(run, playback, run.frames - 1 if edge else 0),
+    "reversal": _go_to_reversal,
+    "beat": lambda run, playback, beats: seek(run, playback, run.index_at(run.turns(playback.frame) + beats)),
+    "beats": lambda run, playback, beats: seek(run, playback, run.index_at(beats)),
+    "range": _set_range,
+    "speed": _set_speed,
+    "follow": _set_follow,
+}
+"""What the controls of the timeline do: to playback of a run, with the value of the control."""

@@ -32,6 +32,10 @@ class Array:
     def __init__(self, blocks: Sequence[MutableMapping[str, Any]], name: str, kind: Any = None) -> None:
         self._blocks, self._name, self._kind = blocks, name, kind
 
+    def __getstate__(self) -> dict[str, Any]:
+        """For another process: its numbers, and not how they are computed."""
+        return {"_blocks": [{self._name: self.values}], "_name": self._name, "_kind": None}
+
     @functools.cached_property
     def values(self) -> NDArray[Any]:
         """All of it, not to be changed."""
@@ -96,6 +100,11 @@ class Memory(Recorder):
         super().__init__(case, warnings)
         self._arrays: dict[str, Array] = {}
         self._blocks: list[MutableMapping[str, Any]] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For another process: its arrays have the numbers of the blocks."""
+        nodes, section, sample, contents = self._recipe
+        return {**self.__dict__, "_blocks": [], "_recipe": (nodes, section, dict(sample), contents)}
 
     def lay_out(self, nodes: np.ndarray, section: Modes, sample: Sample, contents: Contents | None = None) -> None:
         """Know what is to come. Arguments as of `Recorder.lay_out`."""

@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from html import escape
-from pathlib import Path
 from typing import Any
 
 from taichiflap.case.case import Case, CaseError, load_case
@@ -21,13 +20,14 @@ from ..charts import Charts
 from ..colours import RUNS
 from ..field import Fields, Wanted
 from ..frames import Run
-from ..scene import Actor, Look, Stage, common_ranges
+from ..scene import Actor, Look, common_ranges
 from ..server import notice
 from ..session import Session, opening
+from ..stage import Stage
 from ..timeline import Playback
-from .keys import value_of
+from .change import History, brief, changed, settings
 from .sliders import Sliders
-from .worker import BEGUN, Worker, received
+from .worker import BEGUN, Found, Worker, received
 
 GHOST = Look("/pinned", (140, 146, 156), "circle", 3.0, -0.005)
 """How the pinned result's wing looks, behind the other's."""
@@ -35,16 +35,10 @@ WIDTH = 320
 NO_PRESET, NO_MODEL = "as opened", "none"
 SEPARATOR = ";"
 """Between the settings that the address holds."""
-BEATS = 5
-"""Beats that are computed at most."""
 COMMAND = ["taichiflap", "simulate", "case.toml"]
 """What computes anew a case that comes from no file, once it is saved."""
 LOOK_SECONDS = 0.25
 """How often a run that is shown while it is computed is looked at."""
-AIR, WATER = 1.5e-5, 1e-6
-"""Kinematic viscosity, m2/s, that the Navier-Stokes model is given where the case has none; water is a dense fluid."""
-DENSE = 100.0
-"""Density, kg/m3, from which a fluid is taken for water."""
 
 
 class ExploreSession(Session):
@@ -63,8 +57,7 @@ class ExploreSession(Session):
     ) -> None:
         self.first, self.case, self._command = case, case, command
         self.base, self._worker, self._pool = run, worker, pool
-        self._past: list[Case] = []
-        self._future: list[Case] = []
+        self._history = History(case)
         self._wishes: dict[int, tuple[Case, str]] = {}
         self.pinned = run
         self._closed = False
@@ -130,8 +123,7 @@ class ExploreSession(Session):
 
     def _settings(self) -> list[str]:
         """What makes the first case into this one, as `--set` takes it."""
-        changed = [key for key in self.sliders.keys if value_of(self.first, key) != value_of(self.case, key)]
-        return [f"{key}={short_text(value_of(self.case, key))}" for key in changed]
+        return settings(self.first, self.case, self.sliders.keys)
 
     def tick(self, seconds: float) -> None:
         """Play on; look at a run that is shown while it is computed."""
@@ -183,31 +175,23 @@ class ExploreSession(Session):
 
     def _change(self, values: dict[str, Any], key: str) -> None:
         try:
-            case = self._with(values)
+            case = changed(self.case, values)
         except CaseError as error:
             self._complain(key, str(error.problems[0]))
             return
         if case != self.case:
             self._complain(key, "")
-            self._choose(case)
-
-    def _with(self, values: dict[str, Any]) -> Case:
-        """The case with some values changed, and with a viscosity if the model then asks for one."""
-        try:
-            return self.case.changed(values)
-        except CaseError as error:
-            if not any("fluid.viscosity" in problem for problem in error.problems):
-                raise
-        viscosity = WATER if self.case.fluid.density > DENSE else AIR
-        return self.case.changed({"fluid.viscosity": viscosity} | values)
+        self._choose(case)
 
     def _choose(self, case: Case) -> None:
         """Go on to a case, from which undo leads back."""
-        self._past.append(self.case)
-        self._future.clear()
-        self._go_to(case)
+        if case != self.case:
+            self._history.add(case)
+            self._go_to(case)
 
     def _go_to(self, case: Case) -> None:
+        if case is self.case:
+            return
         self.case = case
         self.sliders.show(case)
         self._ask(case, "run")
@@ -222,14 +206,10 @@ class ExploreSession(Session):
             self._message.content = notice("The solver process has ended; restart explore.")
 
     def _undo(self) -> None:
-        if self._past:
-            self._future.append(self.case)
-            self._go_to(self._past.pop())
+        self._go_to(self._history.undo())
 
     def _redo(self) -> None:
-        if self._future:
-            self._past.append(self.case)
-            self._go_to(self._future.pop())
+        self._go_to(self._history.redo())
 
     def _take_preset(self, name: str) -> None:
         self._choose(self.first if name == NO_PRESET else brief(load_case(FOLDER / f"{name}.toml")))
@@ -258,7 +238,7 @@ class ExploreSession(Session):
         if self._second == NO_MODEL:
             return
         try:
-            self._ask(self._with({"solver": self._second}), "pin")
+            self._ask(changed(self.case, {"solver": self._second}), "pin")
         except CaseError as error:
             self._complain("solver", str(error.problems[0]))
 
@@ -276,19 +256,19 @@ class ExploreSession(Session):
 
     # What comes of it.
 
-    def _arrive(self, number: int, path: Path | None, reason: str, seconds: float) -> None:
+    def _arrive(self, number: int, found: Found, reason: str, seconds: float) -> None:
         """Show a result; called from the worker's listener."""
         case, what = self._wishes.get(number, (self.case, ""))
         begun = reason == BEGUN
         for old in [one for one, (_, kind) in self._wishes.items() if one < number + (not begun) and kind == what]:
             self._wishes.pop(old)
         with contextlib.suppress(RuntimeError):
-            if path is None:
+            if found is None:
                 if reason:
                     self._message.content = notice(reason)
                 return
             try:
-                run = Run(received(path), "now", like=self.run)
+                run = Run(received(found), "now", like=self.run)
             except (UserError, OSError) as error:
                 if not begun:
                     self._message.content = notice(str(error))
@@ -335,19 +315,7 @@ class ExploreSession(Session):
             run.close()
 
 
-def short_text(value: Any) -> str:
-    """A value as `--set` takes it."""
-    return str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
-
-
 def _took(case: Case, seconds: float, begun: bool) -> str:
     beats = f", {case.time.periods:g} beats" if case.periodic and case.time.periods else ""
     taken = "being computed" if begun else f"{short(1e3 * seconds)} ms"
     return f'<div data-took style="padding:0 4px;font-size:11px">{case.model}{beats}, {taken}</div>'
-
-
-def brief(case: Case) -> Case:
-    """A case of a few beats, as many as are explored."""
-    if case.periodic and (case.time.periods or 0) > BEATS:
-        return case.changed({"time.periods": BEATS})
-    return case

@@ -13,8 +13,9 @@ from taichiflap.case.case import load_case
 from .. import camera
 from ..frames import Run
 from ..server import Server, ViewError, announce
-from .session import ExploreSession, brief
-from .worker import BEGUN, Worker, received
+from .change import brief
+from .session import ExploreSession
+from .worker import BEGUN, Found, Worker, received
 
 
 class Explorer(Server):
@@ -60,11 +61,11 @@ class Explorer(Server):
 
     def _first_run(self) -> Run:
         """The case as it was opened."""
-        there, found = threading.Event(), []
+        there, answers = threading.Event(), []
 
-        def answer(_: int, path: Path | None, reason: str, __: float) -> None:
+        def answer(_: int, found: Found, reason: str, __: float) -> None:
             if reason != BEGUN:
-                found.append((path, reason))
+                answers.append((found, reason))
                 there.set()
 
         place = self.worker.enlist(answer)
@@ -73,10 +74,10 @@ class Explorer(Server):
             if not self.worker.alive:
                 raise ViewError("the solver process has ended; run taichiflap simulate to see why")
         self.worker.release(place)
-        path, reason = found[0]
-        if path is None:
+        found, reason = answers[0]
+        if found is None:
             raise ViewError(reason)
-        return Run(received(path), "pinned")
+        return Run(received(found), "pinned")
 
     def _connect(self, client: Any) -> None:
         session = ExploreSession(client, self.case, self.command, self.run, self.worker, self._pool)

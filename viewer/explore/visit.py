@@ -11,7 +11,8 @@ from ..field import Fields
 from ..frames import Run
 from ..session import Session, opening
 from ..timeline import Playback
-from .session import COMMAND, ExploreSession, brief
+from .change import brief
+from .session import COMMAND, ExploreSession
 from .worker import Worker
 
 EXPLORE, BACK = "Explore this case", "Back to the result"

@@ -8,7 +8,6 @@ import contextlib
 import itertools
 import multiprocessing
 import os
-import pickle
 import signal
 import tempfile
 import threading
@@ -35,13 +34,13 @@ SHORT = 0.3
 """A run that takes fewer seconds, probably, is handed over in memory: its file takes longer than its flow."""
 PAIRS_A_SECOND = 1e9
 """Approximate speed of a run, pair interactions a second."""
-MEMORY = ".memory"
-"""Suffix of such a result."""
 BEGUN = "begun"
 """What is said, in the place of a reason, of a file that is being written."""
 
-Answer = Callable[[int, Path | None, str, float], None]
-"""Called with the number of a wish and its result file; or None and why there is none, nothing if it was given up;
+Found = Path | Result | None
+"""The file of a result; a short one itself, through the pipe from our own process."""
+Answer = Callable[[int, Found, str, float], None]
+"""Called with the number of a wish and what was found; or None and why there is none, nothing if it was given up;
 and the seconds that it took. Before that, of a long run, with the file as it is written and `BEGUN`."""
 
 
@@ -118,7 +117,7 @@ class Worker:
     def _listen(self) -> None:
         while True:
             try:
-                place, number, path, reason, seconds = self._pipe.recv()
+                place, number, found, reason, seconds = self._pipe.recv()
             except (EOFError, OSError):
                 break
             if place is None:
@@ -127,23 +126,24 @@ class Worker:
             with self._lock:
                 answer = self._answers.get(place)
             if answer:
-                answer(number, path, reason, seconds)
-            elif path and reason != BEGUN:
-                path.unlink(missing_ok=True)
+                answer(number, found, reason, seconds)
+            elif isinstance(found, Path) and reason != BEGUN:
+                found.unlink(missing_ok=True)
         self.ready.set()
 
 
-def received(path: Path) -> Result:
-    """The result that an answer names; only one that is still being written keeps its file.
+def received(found: Path | Result) -> Result:
+    """The result of an answer; only one that is still being written keeps its file.
 
     Raises:
         OSError: if it is gone.
         ResultError: if the file cannot be read.
     """
-    # Written by our own process, in a folder of its own.
-    result: Result = pickle.loads(path.read_bytes()) if path.suffix == MEMORY else open_result(path)
-    if path.suffix != PART:
-        path.unlink()
+    if isinstance(found, Result):
+        return found
+    result = open_result(found)
+    if found.suffix != PART:
+        found.unlink()
     return result
 
 
@@ -190,12 +190,12 @@ class _Desk:
         number, document = self._wishes.pop(place)
         self._pipe.send((place, number, *self._compute(place, number, document)))
 
-    def _compute(self, place: int, number: int, document: dict[str, Any]) -> tuple[Path | None, str, float]:
+    def _compute(self, place: int, number: int, document: dict[str, Any]) -> tuple[Found, str, float]:
         from taichiflap import simulate  # noqa: PLC0415 - in this process alone
 
         case = parse_case(document)
         short = _seconds(case) < SHORT
-        path = self._folder / f"{number}{MEMORY if short else '.h5'}"
+        path = self._folder / f"{number}.h5"
         began, others, told = time.perf_counter(), 0.0, False
 
         def progress(done: int, total: int) -> None:
@@ -213,15 +213,14 @@ class _Desk:
 
         try:
             result = simulate(case, None if short else path, threads=self._threads, progress=progress)
-            if short:
-                path.write_bytes(pickle.dumps(result, pickle.HIGHEST_PROTOCOL))
-            result.close()
+            if not short:
+                result.close()
         except _GivenUp:
             reason = ""
         except (UserError, OSError, ValueError, RuntimeError) as error:
             reason = str(error) or type(error).__name__
         else:
-            return path, "", time.perf_counter() - began - others
+            return result if short else path, "", time.perf_counter() - began - others
         for left in self._folder.glob(f"{path.name}*"):
             left.unlink(missing_ok=True)
         return None, reason, time.perf_counter() - began - others

@@ -11,35 +11,26 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from taichiflap.case.case import Case
 from taichiflap.errors import UserError
 from taichiflap.maps.file import Map, MapError, open_map
-from taichiflap.maps.labels import factor_of, grouped, model, named
-from taichiflap.maps.outcome import COMPLETE, FAILED
-from taichiflap.notation import short
-from taichiflap.run.warnings import BENT, BROKEN
+from taichiflap.maps.labels import grouped, named
 
 from .. import camera
 from ..channel import Channel
 from ..colours import METRIC, theme
-from ..explore.session import COMMAND, ExploreSession, brief
+from ..explore.change import brief
+from ..explore.session import COMMAND, ExploreSession
 from ..explore.worker import Worker
 from ..frames import UNREADABLE, Run
 from ..legend import Bar, bar_html
 from ..paint import paint
 from ..server import notice
-from . import picture, scene
+from . import picture, scene, words
 from .profiles import Profiles
 
 PANEL_WIDTH = 320
 BACK = "Back to the map"
-FRONT = "Line: Pareto front of lift and power."
-NOTHING = "Grey: a case without this metric."
-DOUBTFUL = f"Hatched grey: the model is invalid (tip deflection above {BROKEN:g} chord, or unphysical forces)."
-HATCHED = f"Hatched: tip deflection above {BENT:g} chords."
-
 OpenCase = Callable[[int, Callable[[int, int], None]], Run]
 
 
@@ -120,7 +111,7 @@ class MapSession:
             gui.main_panel.set_width(PANEL_WIDTH)
             gui.add_html(camera.narrow())
             self.channel = Channel(client, lambda what, value: self._try(self._act, what, value))
-            self._headline = gui.add_html(_headline(sheet))
+            self._headline = gui.add_html(words.headline(sheet))
             self._trouble = gui.add_html("")
             keys = [axis.key for axis in sheet.design.axes]
             for title, of, names in (
@@ -191,7 +182,7 @@ class MapSession:
             self.channel.tell_cursor("")
             return
         with self.client.atomic(), self._open() as sheet:
-            self.channel.tell_cursor("\n".join(_words(sheet, number, self.choice.colour, self.picture)))
+            self.channel.tell_cursor("\n".join(words.of_case(sheet, number, self.choice.colour, self.picture)))
             self._draw_profiles(sheet, number)
 
     def _draw_profiles(self, sheet: Map, number: int | None) -> None:
@@ -235,11 +226,11 @@ class MapSession:
         self._draw_profiles(sheet, None)
         self._tell_address()
         low, high = self.picture.limits
-        title, unit = _title_and_unit(self.choice.colour, sheet)
-        bar = bar_html(Bar(title, METRIC, _digits(low), _digits(high), unit or "no unit"))
+        title, unit = words.title_and_unit(self.choice.colour, sheet)
+        bar = bar_html(Bar(title, METRIC, words.digits(low), words.digits(high), unit or "no unit"))
         self._legend.content = (
             f'<div data-legend style="padding:4px;line-height:1.45;font-size:12px">{bar}'
-            f"{_remarks(self.picture)}A click on a case opens it.</div>"
+            f"{words.remarks(self.picture)}A click on a case opens it.</div>"
         )
 
     def _click(self, event: Any) -> None:
@@ -251,13 +242,13 @@ class MapSession:
             if number is None:
                 return
             with self._open() as sheet:
-                told = _case_lines(sheet, number, self.choice.colour, self.picture)
+                told = words.case_lines(sheet, number, self.choice.colour, self.picture)
             self._wanted = number
-            self._message.content = _lines([*told, "opening"])
+            self._message.content = words.as_html([*told, "opening"])
 
         def progress(done: int, total: int) -> None:
             if self._wanted == number:
-                self._message.content = _lines([*told, f"computing: {100 * done // total} %"])
+                self._message.content = words.as_html([*told, f"computing: {100 * done // total} %"])
 
         future = self.worker.submit(self.run, number, progress)
         future.add_done_callback(lambda found: self._arrive(number, told, found))
@@ -272,7 +263,7 @@ class MapSession:
             self._wanted = None
             error = found.exception()
             if error:
-                self._message.content = _lines([*told, escape(str(error))])
+                self._message.content = words.as_html([*told, escape(str(error))])
                 return
             self._show_case(found.result(), told)
 
@@ -287,7 +278,7 @@ class MapSession:
             )
             back = client.gui.add_button(BACK, order=-20.0)
             self._trouble = client.gui.add_html("", order=-19.0)
-            client.gui.add_html(_lines(told), order=-18.0)
+            client.gui.add_html(words.as_html(told), order=-18.0)
             back.on_click(lambda _: self._try(self._show_map))
         self._case.start(replace(self._case.playback, dark=self._dark))
 
@@ -295,61 +286,3 @@ class MapSession:
 def _identity(sheet: Map) -> tuple[Any, ...]:
     """What makes a map the one that it is; a study adds outcomes, and may add samples."""
     return sheet.case, [axis.key for axis in sheet.design.axes], sheet.design.grid, sheet.metrics
-
-
-def _headline(sheet: Map) -> str:
-    status = sheet.status
-    counts = [*filter(None, [model(sheet)]), f"{sheet.design.size:,} cases"]
-    counts += [f"{count:,} to run" for count in [int(np.sum((status != COMPLETE) & (status != FAILED)))] if count]
-    counts += [f"{count:,} failed" for count in [int(np.sum(status == FAILED))] if count]
-    name = escape(sheet.case.title or (sheet.path.stem if sheet.path else ""))
-    return f'<div data-map style="padding:2px 4px 6px;line-height:1.45"><b>{name}</b><br>{", ".join(counts)}</div>'
-
-
-def _remarks(shown: picture.Picture) -> str:
-    """What is grey, hatched or joined by a line, as HTML."""
-    cells = shown.points is None
-    said = {
-        NOTHING: bool((~np.isfinite(shown.values) & ~shown.broken).any()),
-        DOUBTFUL if cells else DOUBTFUL.replace("Hatched grey", "Grey"): bool(shown.broken.any()),
-        HATCHED: cells and bool((shown.bent & ~shown.broken).any()), FRONT: bool(len(shown.fronts)),
-    }  # fmt: skip
-    return "".join(f"{text}<br>" for text, true in said.items() if true)
-
-
-def _words(sheet: Map, number: int, metric: str, shown: picture.Picture) -> list[str]:
-    """A case in plain words: what makes it, its metric, or why it has none, and whether the model holds."""
-    outcome = sheet.outcomes([number])[0]
-    lines = [f"case {number}", *(f"{key} = {short(value)}" for key, value in sheet.design.point(number).items())]
-    if outcome is None:
-        return [*lines, "not run yet"]
-    if outcome.reason:
-        return [*lines, outcome.reason]
-    title, _, unit = named(metric, sheet).partition(" (")
-    lines.append(f"{title} = {factor_of(sheet, metric) * outcome.metrics[metric]:.4g} {unit.rstrip(')')}")
-    place = np.nonzero(shown.numbers == number)
-    if shown.broken[place].any():
-        lines.append("the model is invalid")
-    elif shown.bent[place].any():
-        lines.append(f"tip deflection above {BENT:g} chords")
-    return lines
-
-
-def _case_lines(sheet: Map, number: int, metric: str, shown: picture.Picture) -> list[str]:
-    """`_words` as HTML."""
-    first, *rest = map(escape, _words(sheet, number, metric, shown))
-    return [f"<b>{first.capitalize()}</b>", *rest]
-
-
-def _title_and_unit(name: str, sheet: Map) -> tuple[str, str]:
-    title, _, unit = named(name, sheet).partition(" (")
-    return escape(title), unit.rstrip(")")
-
-
-def _lines(lines: list[str]) -> str:
-    style = "padding:4px;font-size:12px;line-height:1.4;overflow-wrap:anywhere"
-    return f'<div data-case style="{style}">{"<br>".join(lines)}</div>'
-
-
-def _digits(value: float) -> float:
-    return float(f"{value:.3g}")

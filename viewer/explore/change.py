@@ -1,0 +1,70 @@
+"""Changes of a case: what is explored of it, what a change asks for besides, and the way back."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from taichiflap.case.case import Case, CaseError
+
+from .keys import value_of
+
+BEATS = 5
+"""Beats that are computed at most."""
+AIR, WATER = 1.5e-5, 1e-6
+"""Kinematic viscosity, m2/s, that a case without one is given if its model asks for it; water is a dense fluid."""
+DENSE = 100.0
+"""Density, kg/m3, from which a fluid is taken for water."""
+
+
+def brief(case: Case) -> Case:
+    """A case of a few beats, as many as are explored."""
+    if case.periodic and (case.time.periods or 0) > BEATS:
+        return case.changed({"time.periods": BEATS})
+    return case
+
+
+def changed(case: Case, values: dict[str, Any]) -> Case:
+    """The case with some values changed, and with a viscosity if the model then asks for one.
+
+    Raises:
+        CaseError: for a value that is refused.
+    """
+    try:
+        return case.changed(values)
+    except CaseError as error:
+        if not any("fluid.viscosity" in problem for problem in error.problems):
+            raise
+    viscosity = WATER if case.fluid.density > DENSE else AIR
+    return case.changed({"fluid.viscosity": viscosity} | values)
+
+
+def settings(first: Case, case: Case, keys: Iterable[str]) -> list[str]:
+    """What makes the first case into another, as `--set` takes it."""
+    different = [key for key in keys if value_of(first, key) != value_of(case, key)]
+    return [f"{key}={short_text(value_of(case, key))}" for key in different]
+
+
+def short_text(value: Any) -> str:
+    """A value as `--set` takes it."""
+    return str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
+
+
+class History:
+    """The cases of one browser, for undo and redo."""
+
+    def __init__(self, first: Case) -> None:
+        self._cases, self._now = [first], 0
+
+    def add(self, case: Case) -> None:
+        """Go on to a case; what was undone is forgotten."""
+        self._now += 1
+        self._cases[self._now :] = [case]
+
+    def undo(self) -> Case:
+        """The case before, or the first."""
+        self._now = max(self._now - 1, 0)
+        return self._cases[self._now]
+
+    def redo(self) -> Case:
+        """The case that was undone last, or the newest."""
+        self._now = min(self._now + 1, len(self._cases) - 1)
+        return self._cases[self._now]
