@@ -145,8 +145,8 @@ def elastic_plate(settings: Sequence[Setting] = POINTS) -> Check:
         "elastic-plate",
         "An elastic plate that heaves in a stream",
         "The exact linear solution: Wu's loads (J. Fluid Mech. 10, 1961) on an Euler-Bernoulli beam clamped at its "
-        f"leading edge, by 14 polynomials. Amplitude 1e-4 chords, three modes, {STEPS} steps a period, both models "
-        "with their defaults. The points of the figure are numbered as the rows.",
+        f"leading edge, with 14 polynomials. Amplitude 1e-4 chords, three modes, {STEPS} steps per period, both "
+        "models with their defaults. Points in the figure are numbered in the order of the rows.",
         tuple(rows),
         (
             Chart("Tip, amplitude", "Setting, by number", "Error of the amplitude (%)", tuple(tips)),
@@ -204,9 +204,9 @@ def flutter(mass_ratios: Sequence[float] = MASS_RATIOS) -> Check:
     return Check(
         "flutter",
         "Onset of flutter of an elastic plate",
-        "The exact linear solution again: the least speed at which the free plate, clamped at its leading edge, "
-        "oscillates steadily. Each model is let go at 0.96, 1 and 1.04 of it, with four modes and no damping; its "
-        "onset is where a line through the three rates of growth is zero.",
+        "The exact linear solution: the lowest speed at which the free plate, clamped at its leading edge, "
+        "oscillates with constant amplitude. Each model is released at 0.96, 1 and 1.04 of this speed, with four "
+        "modes and no damping. Its onset is the zero of a line through the three growth rates.",
         tuple(rows),
         (
             Chart(

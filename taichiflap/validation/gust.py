@@ -91,10 +91,10 @@ def _kuessner(places: Sequence[float]) -> Check:
     return Check(
         "kuessner",
         "Küssner: lift in a sharp-edged gust",
-        "Share of the steady lift 2π w/U after the leading edge has met the edge of the gust, by integration of "
-        f"Sears's function (von Kármán & Sears 1938); w/U = {SMALL:g}, {TRAVEL:g} chords a step. The models draw the "
-        "edge out over one element or panel; where it leaves the trailing edge, at s = 2, both have a spike of a few "
-        "per cent as short as that.",
+        "Lift as a fraction of the steady lift 2π w/U after the leading edge has met the edge of the gust. The exact "
+        f"function is an integral of Sears's function (von Kármán & Sears 1938). w/U = {SMALL:g}, {TRAVEL:g} chords "
+        "per step. The models smooth the edge over one element or panel. When the edge leaves the trailing edge, at "
+        "s = 2, both have an equally short spike of a few per cent.",
         tuple(rows),
         (
             Chart("Lift in the gust", "Distance into it s (half-chords)", "Lift over steady lift (1)", tuple(curves)),
@@ -124,8 +124,8 @@ def _sears(frequencies: Sequence[float]) -> Check:
     return Check(
         "sears",
         "Sears: lift in a sinusoidal gust",
-        "Sears (1941): lift over 2π w/U, its phase that of the gust at the middle of the chord; "
-        f"w/U = {SMALL:g}, {STEPS} steps a period.",
+        "Sears (1941): lift over 2π w/U, with the phase relative to the gust at the middle of the chord; w/U = "
+        f"{SMALL:g}, {STEPS} steps per period.",
         tuple(rows),
         (
             Chart("Amplitude", label, "Error of the amplitude (%)", tuple(amplitudes), "x"),
@@ -163,9 +163,9 @@ def viscous_sears(frequencies: Sequence[float] = VISCOUS) -> Check:
     return Check(
         "viscous-sears",
         "Sears in a viscous fluid",
-        f"The same in the Navier-Stokes model at a Reynolds number of {REYNOLDS:g}: boundary layers and the rounded "
-        "trailing edge soften Kutta's condition, so that the tolerance is wide; see the page of the model for how the "
-        "difference falls as the Reynolds number grows.",
+        f"The same in the Navier-Stokes model at a Reynolds number of {REYNOLDS:g}. Boundary layers and the rounded "
+        "trailing edge weaken the Kutta condition, so that the tolerance is wide. The page of the model shows how "
+        "the difference decreases with the Reynolds number.",
         tuple(rows),
         (
             Chart("Amplitude", label, "Lift over 2π w/U (1)",

@@ -25,11 +25,12 @@ def convergence() -> Check:
     return Check(
         "convergence",
         "Orders of convergence",
-        "Panels and steps together against Theodorsen at k = 1 (plunge); steps alone against twice as many, with 12 "
-        "uniform panels (cosine panels and steps go together: a step much shorter than the last panel does not help); "
-        "DBET on the paper's flapping wing against 8 times the steps, 256 elements and 10 modes. Expected: first order "
-        "of the lattice (lumped vortices, a wake shed a step at a time), second order of the march and of the midpoint "
-        "blades, and fourth order in modes, whose share of the tip falls as 1/β⁴ or faster.",
+        "Panels and steps refined together, compared with Theodorsen at k = 1 (plunge). Steps alone compared with "
+        "twice as many, with 12 uniform panels (cosine panels need steps to match: a step much shorter than the last "
+        "panel has no benefit). DBET on the paper's flapping wing compared with 8 times the steps, 256 elements and "
+        "10 modes. Expected orders: first for the lattice (lumped vortices, one shed per step), second for the march "
+        "and for blades at midpoints, and fourth for modes, whose contribution to the tip deflection decreases at "
+        "least as 1/β⁴.",
         tuple(row for row, _ in studies),
         tuple(chart for _, chart in studies),
     )

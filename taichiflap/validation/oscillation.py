@@ -145,10 +145,11 @@ def _lift(fine: Found, coarse: Found, frequencies: Sequence[float], refinement: 
     return Check(
         "theodorsen",
         "Theodorsen: lift in plunge and pitch",
-        f"NACA Report 496 (1935), lift coefficient per chord of plunge and per radian of pitch; {accurate()}, {STEPS} "
-        "steps a period, amplitude 1e-4. The pitch axis of a case is the leading edge: pitch about the quarter chord "
-        f"is that and a plunge. Dotted: {papers()} as in the paper, with the consistent shedding rule: errors up to "
-        f"{worst[0]:.1f} % and {worst[1]:.1f} degrees. The last chart shows how the errors at high frequency fall.",
+        f"NACA Report 496 (1935). Lift coefficient per chord of plunge and per radian of pitch; {accurate()}, {STEPS} "
+        "steps per period, amplitude 1e-4. The pitch axis of a case is the leading edge, so that pitch about the "
+        f"quarter chord is combined with a plunge. Dotted: {papers()} as in the paper, with the consistent shedding "
+        f"rule, with errors up to {worst[0]:.1f} % and {worst[1]:.1f} degrees. The last chart shows the convergence "
+        "at high frequency.",
         tuple(rows),
         (
             Chart("Amplitude", REDUCED, "Error of the amplitude (%)", tuple(amplitudes), "x"),
@@ -189,9 +190,10 @@ def _moment(fine: Found, coarse: Found) -> Check:
     return Check(
         "moment",
         "Theodorsen: moment in plunge and pitch",
-        "NACA Report 496 (1935), moment coefficient per chord of plunge and per radian of pitch, from the runs above. "
-        "About the quarter chord a slow moment vanishes, so that the error of the complex amplitude is in shares of "
-        "the lift times the chord: how far off the load sits. On the right the paper's uniform panels.",
+        "NACA Report 496 (1935). Moment coefficient per chord of plunge and per radian of pitch, from the runs "
+        "above. About the quarter chord the moment vanishes at low frequency. The error of the complex amplitude is "
+        "therefore relative to the lift times the chord, which is the error in the position of the load. Right: the "
+        "paper's uniform panels.",
         tuple(rows),
         tuple(charts),
     )
@@ -229,10 +231,10 @@ def _thrust(fine: Found, frequencies: Sequence[float]) -> Check:
     return Check(
         "garrick",
         "Garrick: mean thrust in plunge and pitch, with and without suction at the leading edge",
-        "NACA Report 567 (1936), thrust coefficient per chord² of plunge and per radian² of pitch. `uvlm.suction` adds "
-        "the suction to the normal force; without it the thrust in plunge is zero. The thrust in pitch crosses zero, "
-        "so that errors are in shares of a scale: |L||α|/2, the most that such a lift could lean forward, and in "
-        "plunge the thrust itself.",
+        "NACA Report 567 (1936). Thrust coefficient per chord² of plunge and per radian² of pitch. `uvlm.suction` "
+        "adds the suction to the normal force; without it the thrust in plunge is zero. The thrust in pitch changes "
+        "sign, so that errors are relative to |L||α|/2, the maximum thrust of a normal force of this size; in plunge "
+        "they are relative to the thrust itself.",
         tuple(rows),
         tuple(charts),
     )

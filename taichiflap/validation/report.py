@@ -114,8 +114,8 @@ def blocks(checks: Sequence[Check]) -> list[pages.Block]:
     failed = [f"{row.setting} ({row.error:.2f} {row.unit})" for check in checks for row in check.rows if not row.passed]
     opening = (
         f"Written by `taichiflap validate` of version {__version__}: {verdict(checks)}. Each row compares the "
-        "solver with an exact or published solution. Tolerances follow from what the scheme should reach; a row "
-        "outside its tolerance says FAIL." + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
+        "solver with an exact or published solution. Tolerances follow from the expected accuracy of the schemes; a "
+        "row outside its tolerance is marked FAIL." + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
     )
     said: list[pages.Block] = [pages.Heading(1, TITLE), pages.Paragraph(opening)]
     for check in checks:

@@ -81,11 +81,11 @@ def separated(angles: Sequence[int] = tuple(RMS)) -> Check:
     return Check(
         "separated",
         "Separated flow: hover and pitch-up ramps",
-        "Root mean square of the difference over that of the published coefficient. Hover of an ellipse of 10 % at a "
-        "Reynolds number of 75 against Li, Dong & Liu (2015), mean and four harmonics of the beats 2 to 4; the rows of "
-        "the mean are about what two separate codes gave, 0.56. Ramps at 1,000 against Eldredge's computations (in "
-        "Ramesh et al., J. Fluid Mech. 751, 2014), mean and seven cosines of the time from 1.1 to 4.8, with a "
-        f"section of {100 * THIN:g} %.",
+        "Root mean square of the difference relative to that of the published coefficient. Hover of an ellipse of 10 "
+        "% thickness at a Reynolds number of 75, compared with Li, Dong & Liu (2015): mean and four harmonics of "
+        "beats 2 to 4; the reference 0.56 of the mean is about the value of two separate codes. Ramps at a Reynolds "
+        "number of 1,000, compared with Eldredge's computations (in Ramesh et al., J. Fluid Mech. 751, 2014): mean "
+        f"and seven cosines over the time from 1.1 to 4.8, with a section of {100 * THIN:g} % thickness.",
         tuple(rows),
         tuple(charts),
     )

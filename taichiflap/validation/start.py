@@ -43,8 +43,8 @@ def wagner(runs: Sequence[tuple[Grid, float]] = RUNS) -> Check:
     return Check(
         "wagner",
         "Wagner: lift after a sudden start",
-        "The exact function, by integration of Theodorsen's (Garrick 1938), s in half-chords travelled; 0.1 degree. "
-        "Dotted: the paper's uniform panels.",
+        "The exact function is an integral of Theodorsen's (Garrick 1938); s is the distance travelled in "
+        "half-chords. Angle of attack 0.1 degree. Dotted: the paper's uniform panels.",
         tuple(rows),
         (
             Chart(

@@ -49,11 +49,11 @@ def steady(grids: Sequence[Grid] = GRIDS, alpha_deg: float = 5.0) -> Check:
     line = np.linspace(0.0, 1.0, 400)
     return Check(
         "steady",
-        "Steady lift of a flat plate and its place",
-        "Normal force 2π sin α cos α (Katz & Plotkin 2001, section 5.4), once the starting vortex is far away: exact "
-        "with any number of panels. Cosine panels (Lan 1974) have the place of the load exactly, too; the paper's "
-        "uniform ones, which apply a panel's force at its middle and its circulation at the quarter, have it a quarter "
-        "panel too far aft.",
+        "Steady lift of a flat plate and its centre of pressure",
+        "The exact normal force, once the starting vortex is far away, is 2π sin α cos α (Katz & Plotkin 2001, "
+        "section 5.4). It is reached with any number of panels. Cosine panels (Lan 1974) also have the exact centre "
+        "of pressure. On the paper's uniform panels the force acts at the middle of a panel and the vortex at its "
+        "quarter, so that the centre of pressure is a quarter panel too far aft.",
         (*forces, *places),
         (
             Chart(
@@ -93,10 +93,10 @@ def camber(grids: Sequence[Grid] = GRIDS, height: float = 0.01, alpha: float = 0
     return Check(
         "camber",
         "Parabolic camber: 2π (α + 2 f/c)",
-        "Glauert (1926). The lattice takes the parabola as the shape of its one mode, which is given no stiffness, no "
-        "damping and a force so small that it stays as it was put. Cosine panels lie on the curve itself and miss what "
-        "the theory leaves out, which is of the order of α². Uniform panels are straight, have their slope in the "
-        "middle and meet the flow at three quarters: an error of the first order in their length.",
+        "Glauert (1926). The parabola is the shape of the lattice's only mode, which has no stiffness, no damping "
+        "and a negligible force, so that it keeps its amplitude. Cosine panels lie on the curve; their difference is "
+        "of the order of α², which the theory neglects. Uniform panels are straight, have the slope of their middle "
+        "and their control points at three quarters, which is an error of first order in their length.",
         tuple(rows),
         (Chart("Error against panels", "Panels", "Error of the lift (%)", _by_kind(errors), "xy"),),
     )
@@ -132,10 +132,10 @@ def added_mass(grids: Sequence[Grid] = GRIDS) -> Check:
         "added-mass",
         "Added mass of a plate in heave and pitch",
         "π/4, π/8, π/8 and 9π/128 of ρ c² (force and moment about the leading edge over acceleration, lengths in "
-        "chords; Lamb 1932, art. 71). The plate is pushed from rest for one step of 1e-4 of a period, in fluid without "
-        "a stream, so that what it sheds stands at its trailing edge, and wing and wake together have no circulation. "
-        "It stands 2e-4 chords behind, the least that the shedding rule allows: that is the error left. The added mass "
-        "of the blade elements is a formula; the wet frequency below measures it.",
+        "chords; Lamb 1932, art. 71). The plate is accelerated from rest for one step of 1e-4 of a period in fluid "
+        "at rest. The shed vortex stays at the trailing edge, so that wing and wake together have no circulation. "
+        "Its distance of 2e-4 chords, the minimum of the shedding rule, causes the remaining error. The added mass "
+        "of the blade elements is a formula, which the wet frequency below tests.",
         tuple(rows),
         (Chart("Error against panels", "Panels", "Largest error of the four (%)", _by_kind(worst), "xy"),),
     )

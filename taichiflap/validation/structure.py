@@ -71,8 +71,8 @@ def modes() -> Check:
     return Check(
         "modes",
         "Frequencies and modal constants of a cantilever",
-        "The paper's wing (24.5 GPa, 40 µm, 2 cm) against Blevins (1979), table 8-1; λ and ψ by numerical integration "
-        "of the textbook's mode shapes.",
+        "The paper's wing (24.5 GPa, 40 µm, 2 cm) compared with Blevins (1979), table 8-1; λ and ψ by numerical "
+        "integration of the textbook's mode shapes.",
         tuple(rows),
         (Chart("Mode shapes", "Distance from the clamp (chords)", "Shape times √mass (1)", tuple(curves)),),
     )
@@ -111,12 +111,12 @@ def wet_frequency(steps: Sequence[int] = (50, 100, 200, 400)) -> Check:
     return Check(
         "wet-frequency",
         "Wet natural frequency of the elastic plate",
-        f"The paper's wing, one undamped mode, let go in still air from a deflection of 2e-8 chords; {steps[at]} steps "
-        "of 1/80 s in the rows, blades without drag. The paper gives every strip the added mass of the whole plate, so "
-        f"that f/√(1 + µ) = {strips:.2f} Hz holds exactly; potential flow about the first mode, without circulation, "
-        f"gives {plate:.2f} Hz, which the blades' default and the lattice are compared with. What the "
-        "lattice sheds at this amplitude stands at its trailing edge, so that wing and wake together have no "
-        "circulation.",
+        "The paper's wing with one undamped mode, released in still air from a deflection of 2e-8 chords, with "
+        f"{steps[at]} steps of 1/80 s in the rows; blades without drag. The paper gives every strip the added mass of "
+        f"the whole plate, so that f/√(1 + µ) = {strips:.2f} Hz is exact for its model. Potential flow about the "
+        f"first mode, without circulation, gives {plate:.2f} Hz, the reference for the blades' default and the "
+        "lattice. At this amplitude the shed vortices stay at the trailing edge, so that wing and wake together have "
+        "no circulation.",
         tuple(rows),
         (Chart("Error against the time step", "Steps of 1/80 s", "Error of the frequency (%)", tuple(curves), "xy"),),
     )
@@ -145,9 +145,9 @@ def energy(steps: Sequence[int] = (100, 200, 400, 800)) -> Check:
     return Check(
         "energy",
         "Energy balance of a coupled run",
-        "The paper's flapping wing with two modes, second beat: work of the actuator and of the fluid on the wing, "
-        "less what damping takes, against the change of the wing's kinetic and elastic energy; as a share of the "
-        "actuator's gross work. Core of 0.02 chords, 20 panels.",
+        "The paper's flapping wing with two modes, second beat: the work of the actuator and of the fluid on the "
+        "wing, minus the energy lost by damping, compared with the change of the wing's kinetic and elastic energy, "
+        "relative to the actuator's gross work. Core of 0.02 chords, 20 panels.",
         tuple(rows),
         (Chart("Energy unaccounted for", "Steps a beat", "Share of the gross work (%)", tuple(curves), "xy"),),
     )
@@ -199,8 +199,8 @@ def vortices() -> Check:
     return Check(
         "vortices",
         "Vortex pair, four vortices, invariants",
-        "Lamb (1932) and Thomson (1883). The velocities are the solver's sum; they are integrated by a fourth-order "
-        "Runge-Kutta rule, so that the sum is tested and not the wake's first-order step.",
+        "Lamb (1932) and Thomson (1883). Velocities are computed by the solver's sum and integrated by a "
+        "fourth-order Runge-Kutta method, so that the errors are those of the sum alone.",
         tuple(rows),
         (
             Chart(

@@ -79,10 +79,11 @@ def stokes(viscosities: Sequence[float] = TURNS, cells: int = 64) -> Check:
         ]
     return Check(
         "stokes",
-        "Stokes's second problem in the round",
-        "A cylinder that turns to and fro in a fluid at rest, where vorticity diffuses and nothing else: the moment of "
-        "friction by Bessel functions (Lamb, Hydrodynamics, 1932, art. 347, has the flat wall's). Viscosity in "
-        f"diameters squared a period, {cells} cells around, {steps} steps a period, the fourth period.",
+        "Stokes's second problem on a cylinder",
+        "A cylinder in rotational oscillation in a fluid at rest, where vorticity only diffuses. The exact moment of "
+        "friction is given by Bessel functions (Lamb, Hydrodynamics, 1932, art. 347, treats a flat wall). Viscosity "
+        f"in diameters squared per period, {cells} cells around the cylinder, {steps} steps per period, fourth "
+        "period.",
         tuple(rows),
         (Chart("Moment of friction", "Time (periods)", "Moment over its exact amplitude (1)", tuple(curves)),),
     )
@@ -104,8 +105,9 @@ def cylinder(cells: int = 128, length: float = SHEDDING) -> Check:
     return Check(
         "cylinder",
         "A cylinder in a stream, Reynolds number 100",
-        "Vortices that part from a cylinder, set going by a turn of it: literature has drag coefficients of 1.33 to "
-        f"1.37 and Strouhal numbers of 0.164 to 0.166. {cells} cells around, 0.025 diameters a step.",
+        "Vortex shedding from a cylinder, started by a small rotation. The literature has drag coefficients of 1.33 "
+        f"to 1.37 and Strouhal numbers of 0.164 to 0.166. {cells} cells around the cylinder, 0.025 diameters per "
+        "step.",
         (
             Row("drag coefficient", mean, CD, mean - CD, 0.01),
             Row("Strouhal number", strouhal, STROUHAL, strouhal - STROUHAL, 0.001),
@@ -133,8 +135,8 @@ def thin_plate(reynolds: float = 1000.0) -> Check:
         "thin-plate",
         "A thin plate along a stream: boundary layers",
         "Friction of both sides of a flat plate: Blasius, and with the triple deck at the trailing edge (Stewartson "
-        f"1969, Messiter 1970), 2 (1.328 Re^-1/2 + 2.67 Re^-7/8). Re = {reynolds:g}, a section of {100 * THIN:g} % "
-        "thickness, whose own pressure drag is in the measured value.",
+        f"1969, Messiter 1970), 2 (1.328 Re^-1/2 + 2.67 Re^-7/8). Re = {reynolds:g}, with a section of {100 * THIN:g} "
+        "% thickness, whose pressure drag is included in the measured value.",
         (Row.relative(f"drag coefficient, Re = {reynolds:g}", float(drag[-1]), exact, 5.0),),
         (
             Chart(
@@ -197,9 +199,10 @@ def first_beat(expected: Sequence[tuple[int, float, float]] = FIRST_BEAT, steps:
     return Check(
         "first-beat",
         "The hawkmoth's first beat, Reynolds number 2,667",
-        "Against a separate code of the same method: rigid 2.57 to 2.58 mN on three grids, with a mode 6.92 and "
-        "6.97 mN by two schemes in time. The plunge begins at its end, the pitch grows over a quarter of a beat; "
-        f"{steps} steps. (With three modes it is 7.05 mN here and 7.04 there.)",
+        "Comparison with a separate implementation of the same method, which gives 2.57 to 2.58 mN for the rigid "
+        "wing on three grids, and 6.92 and 6.97 mN with one mode by two schemes in time. The plunge starts at its "
+        f"end, and the pitch has a start-up of a quarter of a beat; {steps} steps. (With three modes the force is "
+        "7.05 mN here and 7.04 mN there.)",
         tuple(rows),
         (Chart("Vertical force", "Time (beats)", "Force (mN)", tuple(curves)),),
     )
@@ -218,8 +221,8 @@ def grids(cells: Sequence[int] = CELLS) -> Check:
     return Check(
         "viscous-grids",
         "Convergence with the grid of a viscous flow",
-        f"Normal force in the first half beat of the hawkmoth's rigid wing at a Reynolds number of 100, against "
-        f"{cells[-1]} cells around, rows in proportion.",
+        "Normal force in the first half beat of the hawkmoth's rigid wing at a Reynolds number of 100, compared with "
+        f"{cells[-1]} cells around the section, with the rows in proportion.",
         (Row.order("order with the cells", observed_order(sizes, errors), 2.0),),
         (
             Chart(
