@@ -8,19 +8,20 @@ from .accuracy import CYCLES, HALF_SPAN_PANELS, SECTION, Point
 from .rows import Row
 
 ABOUT = """\
-Medians of several repeats that take turns within one run. Rows "in processor time" count what all threads use of \
-processors and stand for a machine that does nothing else; rows "on the wall" hold whatever else the machine did \
-meanwhile (its load is stated below). `make bench` writes this page anew."""
+Medians of several repeats that alternate within one run. Rows "in processor time" count the time that all \
+threads use, and are independent of other load. Rows "on the wall" are elapsed times at the load stated below. \
+`make bench` writes this page."""
 
 ACCURACY = f"""\
-A rigid plate plunges at k = 0.5 in a stream; the lift of the last of {CYCLES} periods is held against \
-Theodorsen's. taichiflap marches the plate in two dimensions with a free wake (the default lattice, each setting \
-refining panels and steps together, amplitude 1e-4 chords). PteraSoftware, which has no two-dimensional mode, \
-marches a rectangular wing of aspect ratio 20 with {HALF_SPAN_PANELS} panels to each half of the span, cosine \
-spacing, NACA 0012, amplitude 0.01 chords, with its prescribed wake, which is its faster one; its lift is that \
-of the strip beside mid-span. At aspect ratio 50 its figures change by less than 0.1 % (tried by hand), so the \
-third dimension is not what separates it from the theory. Time is that of the march alone, in processor time, \
-after compilation. Both are shown at each setting, since an amplitude can be right while the phase is not."""
+A rigid plate plunges at k = 0.5 in a stream. The lift of the last of {CYCLES} periods is compared with \
+Theodorsen's. taichiflap computes the plate in two dimensions with a free wake (the default lattice; each \
+setting refines panels and steps together; amplitude 1e-4 chords). PteraSoftware has no two-dimensional mode. \
+It computes a rectangular wing of aspect ratio 20 with {HALF_SPAN_PANELS} panels on each half of the span, \
+cosine spacing, NACA 0012, an amplitude of 0.01 chords, and its prescribed wake, which is its faster one; its \
+lift is that of the strip next to mid-span. At aspect ratio 50 its values change by less than 0.1 % (tried by \
+hand), so that the difference from theory is not due to the third dimension. Time is the processor time of the \
+march alone, after compilation. Both errors are shown at each setting, since the amplitude can be right while \
+the phase is wrong."""
 
 
 def benchmarks(rows: Iterable[Row], machine: Mapping[str, str]) -> list[Block]:

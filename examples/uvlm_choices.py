@@ -194,50 +194,49 @@ def blocks(paper, changed, returned, refined, checked):
         )
     )
     return [
-        Heading(1, "What each choice of the vortex lattice costs and buys"),
+        Heading(1, "Effect and cost of each choice of the vortex lattice"),
         Paragraph(
-            "`python examples/uvlm_choices.py docs/uvlm_choices.md` computes and writes this page. Mean "
-            "vertical force (full vector) of the rigid and of the flexible hawkmoth and the flexible wing's "
-            f"peak tip deflection, over beats {START + 1} to {BEATS}, each with the standard deviation between "
-            "these beats. Cost is processor time over that of the paper's settings, both wings together, on a "
-            "shared machine: good to a fifth."
+            "`python examples/uvlm_choices.py docs/uvlm_choices.md` computes and writes this page. The tables show "
+            "the mean vertical force (full vector) of the rigid and the flexible hawkmoth and the peak tip "
+            f"deflection of the flexible wing, over beats {START + 1} to {BEATS}, with the standard deviation between "
+            "these beats. Cost is processor time relative to the paper's settings, for both wings together, on a "
+            "shared machine; it is accurate to about 20 %."
         ),
-        Heading(2, "In short"),
+        Heading(2, "Summary"),
         Paragraph(
-            f"From the paper's settings to the accurate ones the flexible wing's force falls from {force(paper)} "
-            f"to {force(accurate)} mN and its tip deflection from {tip(paper)} to {tip(accurate)} mm. Two "
-            "choices do it. A new vortex on the trailing edge's path, in the place of 0.05 chords behind the "
-            f"edge, gives {force(shed)} mN by itself; three beats of wake, absorbed, in the place of one that is "
-            f"cut off, give {force(longer)} mN; both together {force(both)} mN. The loads at the vortices come "
-            f"third, with {force(loaded)} mN. Panels, spacing, convection and crossing move it by "
-            f"{max(small):.2f} mN at most."
-        ),
-        Paragraph(
-            "Neither of the two is a matter of taste. A fixed distance does not shrink with the step: with half "
-            f"the step the force moves away, to {force(finer)} mN, and with a quarter of the distance it comes "
-            f"to {force(nearer)} mN; the same rule is 16 % off Wagner's exact start and the local one 0.5 %. A "
-            "wake of one beat leaves out the downwash of the beats before."
+            "With the accurate settings instead of the paper's, the force on the flexible wing decreases from "
+            f"{force(paper)} to {force(accurate)} mN and its tip deflection from {tip(paper)} to {tip(accurate)} mm. "
+            "Two choices cause most of this. New vortices on the trailing edge's path, instead of 0.05 chords behind "
+            f"the edge, give {force(shed)} mN alone. Three beats of wake with absorption, instead of one that is cut "
+            f"off, give {force(longer)} mN. Both together give {force(both)} mN. Loads at the vortices are third, "
+            f"with {force(loaded)} mN. Panels, spacing, convection and crossing change the force by at most "
+            f"{max(small):.2f} mN."
         ),
         Paragraph(
-            "The accurate settings hold still when they are refined, as far as a wake that is not periodic lets "
-            f"them: {lowest:.2f} to {highest:.2f} mN and {least:.2f} to {most:.2f} mm, where the mean of one run "
-            f"over these {BEATS - START} beats has a standard error of {doubt(accurate[1][0]):.1f} mN and "
-            f"{doubt(accurate[1][2]):.1f} mm. The scatter is that of the whole wake too. Two means that differ "
-            "by less than twice their errors are the same; longer runs tell more."
+            "There are reasons for both choices. A fixed distance does not decrease with the step: with half the "
+            f"step the force increases to {force(finer)} mN, and with a quarter of the distance it is {force(nearer)} "
+            "mN. In Wagner's start the error of this rule is 16 %, and that of the local rule 0.5 %. A wake of one "
+            "beat neglects the downwash of earlier beats."
+        ),
+        Paragraph(
+            f"Refining the accurate settings gives {lowest:.2f} to {highest:.2f} mN and {least:.2f} to {most:.2f} mm. "
+            f"The wake is not periodic, and the mean of one run over these {BEATS - START} beats has a standard error "
+            f"of {doubt(accurate[1][0]):.1f} mN and {doubt(accurate[1][2]):.1f} mm, as with the whole wake. Two means "
+            "agree if they differ by less than twice their errors; longer runs would show smaller differences."
         ),
         Heading(2, "From the paper's settings, one choice at a time"),
         table(("the paper's", paper), changed),
-        Heading(2, "From the accurate settings, one choice put back"),
+        Heading(2, "From the accurate settings, one choice changed back"),
         table(("all accurate, `wake = 600`, absorbed", accurate), returned),
         Heading(2, "The accurate settings, refined"),
         table(("all accurate, `wake = 600`, absorbed", accurate), refined),
-        Heading(2, "Which force is right: the momentum of the flow"),
+        Heading(2, "Check of the force by the momentum of the flow"),
         Paragraph(
-            "The force on the wing must be the rate at which the impulse of all vortices, on the wing and "
-            "behind it, falls; the moment likewise (`taichiflap/studies/momentum.py`). This knows nothing of "
-            "pressures. It includes the suction at the leading edge, so the runs have `suction = true`, which "
-            "changes nothing else: a wing clamped at that edge does not feel it. Accurate settings, whole wake, "
-            "second beat. The errors are root mean squares over those of the load."
+            "The force on the wing must equal the rate of decrease of the impulse of all vortices, on the wing and "
+            "in the wake; the same holds for the moment (`taichiflap/validation/momentum.py`). This check does not "
+            "use pressures. It includes the suction at the leading edge, so the runs have `suction = true`. Nothing "
+            "else changes, since the suction does no work on a wing clamped at that edge. Accurate settings, whole "
+            "wake, second beat. Errors are root mean squares relative to the load's."
         ),
         Table(
             ("Wing", "F_Y", "F_Z", "Moment", "Mean vertical force by momentum (mN)", "By the loads (mN)"),
@@ -247,21 +246,20 @@ def blocks(paper, changed, returned, refined, checked):
             ],
         ),
         Paragraph(
-            "Loads at the vortices agree with the momentum, the better the shorter the step (first order: the "
-            "vorticity shed in a step stands at 0.3 of it). Eqs 33-34 on whole panels do not, however short the "
-            f"step: on F_Z {bent} are missed for {ours}. What a flat wing misses, {flat}, goes away with finer "
-            f"panels ({flat_fine}): a panel's own circulation counts all over it. The rest stays ({bent_fine}): "
-            "the velocity that the bound vortices of a bent wing give each other along it. So of the two full "
-            'vectors it is that of `loads = "vortices"` which is consistent with the flow; the difference is '
-            "small beside those of shedding and wake."
+            "Loads at the vortices agree with the momentum, and converge with the step (first order, because the "
+            "vorticity shed in a step is placed at 0.3 of it). Eqs 33-34 on whole panels do not converge: for the "
+            f"flexible wing the error of F_Z is {bent} instead of {ours}. On a rigid wing the error, {flat}, "
+            f"decreases with finer panels ({flat_fine}), since it comes from counting a panel's circulation on the "
+            f"whole panel. On the flexible wing most of it remains ({bent_fine}): it is due to the velocity that the "
+            'bound vortices of a bent wing induce along it. Only the full vector of `loads = "vortices"` is '
+            "therefore consistent with the flow. The difference is smaller than those of shedding and wake."
         ),
         Paragraph(
-            "What both leave out by default is larger than all that. With the suction that potential flow "
-            f"around the leading edge has, the same flexible wing would lift {force(full[0])} mN (paper's "
-            f"settings) or {force(full[1])} mN (accurate ones). No thin edge that meets the flow broadside holds "
-            "it: the flow separates there, and what the suction becomes is for a leading-edge vortex to say, "
-            "which this lattice does not have. The momentum settles the arithmetic of the model, not that "
-            "question."
+            "The suction, which both neglect by default, matters more. With the suction of potential flow around the "
+            f"leading edge, the force on the same flexible wing would be {force(full[0])} mN (paper's settings) or "
+            f"{force(full[1])} mN (accurate ones). At a thin edge with a large angle of attack the flow separates "
+            "instead, and the force depends on a leading-edge vortex, which this lattice does not have. The momentum "
+            "checks the arithmetic of the model, but not this assumption."
         ),
     ]
 

@@ -115,7 +115,8 @@ def blocks(checks: Sequence[Check]) -> list[pages.Block]:
     opening = (
         f"Written by `taichiflap validate` of version {__version__}: {verdict(checks)}. Each row compares the "
         "solver with an exact or published solution. Tolerances follow from the expected accuracy of the schemes; a "
-        "row outside its tolerance is marked FAIL." + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
+        "row outside its tolerance is marked FAIL."
+        + (f" Beyond their tolerance: {'; '.join(failed)}." if failed else "")
     )
     said: list[pages.Block] = [pages.Heading(1, TITLE), pages.Paragraph(opening)]
     for check in checks:

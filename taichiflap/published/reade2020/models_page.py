@@ -45,37 +45,39 @@ def page_of(found: Found) -> list[Block]:
     return [
         Heading(1, "The same wing in four models"),
         Paragraph(
-            "The hawkmoth's wing of Reade & Jankauski (2020), rigid and flexible, with the paper's 15 deg of pitch and "
-            "with 45 deg, in blade elements (DBET), the vortex lattice (UVLM), the lattice whose leading edge sheds, "
-            "and the Navier-Stokes equations. Only the solver differs, and the settings where the paper's are named."
+            "The hawkmoth's wing of Reade & Jankauski (2020), rigid and flexible, with the paper's 15 deg of pitch "
+            "and with 45 deg, in four models: blade elements (DBET), the vortex lattice (UVLM), the lattice with a "
+            "shedding leading edge, and the Navier-Stokes equations. The models have their default settings, except "
+            "where the paper's are named."
         ),
         Paragraph(
-            f"Every wing runs {BEATS} beats of 200 steps twice, from start-ups of {STARTS[0]:g} and {STARTS[1]:g} "
-            f"beats; in Navier-Stokes {viscous.beats} beats of {viscous.steps:,} steps, {len(viscous.starts)} times, "
-            "with a section of 4 % of the chord, and of 8 % where it bends: a thinner one bends too far for the grid "
-            "in some beats. The fluid is air of 1.225 kg/m³ and 1.5e-5 m²/s: the Reynolds number of the mean speed is "
-            "2,667. Numbers are means over the settled beats of all runs; after ± stands the standard error, from "
-            f"blocks of {BLOCK} beats. Times are processor time of one core, those of UVLM beside other programs, "
-            "which makes them too long by up to several times. Written by `taichiflap reproduce`, from "
-            f"{KNOWN}, which `taichiflap reproduce --models` computes anew."
+            f"Every wing runs {BEATS} beats of 200 steps twice, with start-ups of {STARTS[0]:g} and {STARTS[1]:g} "
+            f"beats; in Navier-Stokes {viscous.beats} beats of {viscous.steps:,} steps, {len(viscous.starts)} times. "
+            "The Navier-Stokes section has a thickness of 4 % of the chord, and 8 % if it is flexible, since a "
+            "thinner one bends too far for the grid in some beats. The fluid is air (1.225 kg/m³, 1.5e-5 m²/s); the "
+            "Reynolds number of the mean speed is 2,667. Numbers are means over the settled beats of all runs; ± is "
+            f"the standard error, from blocks of {BLOCK} beats. Times are processor time of one core. Those of UVLM "
+            "were measured beside other programs and are up to several times too long. `taichiflap reproduce` writes "
+            f"this page from {KNOWN}, which `taichiflap reproduce --models` computes."
         ),
-        Heading(2, "What it says of Table 5"),
+        Heading(2, "Consequences for Table 5"),
         *map(Paragraph, answers(found)),
         table_5(found),
         Heading(2, "Mean vertical force"),
         Figure(
             f"{NAME}-forces",
-            "Mean vertical force: open marks the rigid wing, full marks the flexible one; bars are two standard "
-            "errors. Crosses: the paper's Table 5.",
+            "Mean vertical force of the rigid wing (open symbols) and the flexible wing (filled symbols); bars are "
+            "two standard errors. Crosses: the paper's Table 5.",
         ),
         *(block for pitch in PITCHES for block in (Heading(3, f"{pitch:g} deg of pitch"), wing_table(found, pitch))),
         Heading(2, "Over a beat"),
         Figure(f"{NAME}-histories", "The flexible wing, mean of all settled beats. The stroke reverses at 0 and 0.5."),
-        Heading(2, "What this does not say"),
+        Heading(2, "Limits"),
         Paragraph(
-            "The flow is two-dimensional, in which vortices stay too strong, and the section is an ellipse of 4 or 8 % "
-            "of the chord, where the wing has 0.2 %: that costs some lift. Beats of the separated flow are no more "
-            "alike than the errors say: two grids or two starts part after some three beats, and only means compare."
+            "In a two-dimensional flow vortices stay too strong. The section is an ellipse with 4 or 8 % of the "
+            "chord instead of the wing's 0.2 %, which reduces the lift. Beats of the separated flow differ: two runs "
+            "with different grids or start-ups diverge from each other after about three beats, so that only means "
+            "can be compared."
         ),
     ]
 
@@ -90,13 +92,13 @@ def answers(found: Found) -> list[str]:
     ]
     away = {solver: abs(TABLE_5[solver, 1] / TABLE_5[solver, 0] - 1.0 - gain) / error for solver in ("dbet", "uvlm")}
     printed = (
-        "The paper believes DBET's gain of 7 % by flexibility, and that UVLM's 116 % severely overpredicts it. In the "
-        f"viscous flow the rigid wing carries {_force(rigid)} mN and the flexible one {_force(flexible)} mN: a gain of "
-        f"{_percent(gain, error)}, which is {away['uvlm']:.1f} standard errors from UVLM's and {away['dbet']:.1f} from "
-        "DBET's."
+        "The paper trusts DBET, which gains 7 % of force by flexibility, and regards UVLM's 116 % as a severe "
+        f"overprediction. In the viscous flow the force is {_force(rigid)} mN for the rigid wing and "
+        f"{_force(flexible)} mN for the flexible one. This gain of {_percent(gain, error)} differs by "
+        f"{away['uvlm']:.1f} standard errors from UVLM's and by {away['dbet']:.1f} from DBET's."
     )
     near = (
-        f"Of the printed forces, {nearest[1].upper()}'s {1e3 * TABLE_5[nearest[1], 1]:.2f} mN is the nearer for the "
+        f"Of the printed forces, {nearest[1].upper()}'s {1e3 * TABLE_5[nearest[1], 1]:.2f} mN is closer for the "
         f"flexible wing, and {nearest[0].upper()}'s {1e3 * TABLE_5[nearest[0], 0]:.2f} mN for the rigid one."
     )
     return [f"{printed} {near}"]
@@ -213,11 +215,11 @@ def _percent(share: float, error: float) -> str:
 def closing(found: Found) -> list[Any]:
     """What the report of the paper says last of Table 5."""
     return [
-        Heading(2, "The last word on Table 5: a viscous flow"),
+        Heading(2, "Table 5 in a viscous flow"),
         *map(Paragraph, answers(found)),
         table_5(found),
         Paragraph(
-            "After ± stands the standard error; [the same wing in four models](models.md) has the runs behind the "
-            "last column, and more wings."
+            "± is the standard error. [The same wing in four models](models.md) describes the runs of the last "
+            "column, and more wings."
         ),
     ]

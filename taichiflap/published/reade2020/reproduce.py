@@ -107,19 +107,19 @@ def _blocks(settings: Settings, runs: plan.Runs, found: list[Verdict]) -> list[B
         Heading(1, "The paper reproduced"),
         Paragraph(
             "Reade & Jankauski, Deformable blade element and unsteady vortex lattice fluid-structure interaction "
-            "modeling of a 2D flapping wing (ASME IDETC 2020, DETC2020-22638), computed again and laid beside what it "
-            "prints. Written by `taichiflap reproduce`; nothing here is typed by hand."
+            "modeling of a 2D flapping wing (ASME IDETC 2020, DETC2020-22638), computed again and compared with the "
+            "printed values. This page is written by `taichiflap reproduce`."
         ),
         Paragraph(
             f"Every case runs {settings.periods} beats of {settings.steps_per_period} steps in a fluid of {paper.AIR} "
-            f"kg/m³ unless it says otherwise; numbers are over the last {tables.beats(runs)} beats, with the "
-            "spread from beat to beat after ±. The full vector is the whole force of the fluid; the wing-normal part "
-            "is its component along the undeformed wing's normal, which the paper's force figures show."
+            f"kg/m³ unless stated otherwise. Numbers are over the last {tables.beats(runs)} beats; ± is the standard "
+            "deviation between beats. The full vector is the total force of the fluid. The wing-normal part is its "
+            "component along the normal of the undeformed wing, which the paper's figures show."
         ),
         Paragraph(f"{paper.described(settings)} Version {__version__}."),
         Heading(2, f"Verdicts: {reproduced} of {compared} reproduced"),
         Table(
-            ("Quantity", "Paper", "Here", "Verdict", "How closely, or why not"),
+            ("Quantity", "Paper", "Here", "Verdict", "Difference, or reason"),
             [(one.what, one.printed, one.here, one.state, one.why) for one in found],
         ),
         Heading(2, "Convergence: Figs 4 and 5, and what they missed"),
@@ -127,20 +127,20 @@ def _blocks(settings: Settings, runs: plan.Runs, found: list[Verdict]) -> list[B
         Figure("figure5", "The same for UVLM against panels and wake vortices, in the paper's ranges."),
         Figure(
             "wake",
-            "Longer wakes, to all of it. Dashed: the one beat that the paper keeps.",
+            "Longer wakes, up to the whole wake. Dashed: one beat of wake, as in the paper.",
         ),
         tables.wakes(settings, runs),
         Heading(2, "Forces over a beat: Figs 6 and 7"),
         Figure(
             "figure6",
-            "Normal force on the rigid wing over the last beat, with the paper's origin of time. Spikes: wake "
-            "vortices, without a core as in the paper, that pass close to the wing.",
+            "Normal force on the rigid wing over the last beat, with the paper's origin of time. Spikes are due to "
+            "wake vortices that pass close to the wing; as in the paper, they have no core.",
         ),
         Figure("figure7", "Tip deflection and normal force of the flexible wing over the last beat."),
         tables.harmonics(runs),
-        Figure("cause", "What the added mass does to the phase between the models."),
+        Figure("cause", "Effect of the added mass on the phase between the models."),
         Heading(2, "Mean vertical force: Table 5"),
-        Figure("table5", "The paper's column and the two definitions."),
+        Figure("table5", "The paper's values and both definitions."),
         tables.mean_forces(runs),
         tables.gains(runs),
         Heading(2, "Beyond the paper: modes, density, speed"),
@@ -150,8 +150,8 @@ def _blocks(settings: Settings, runs: plan.Runs, found: list[Verdict]) -> list[B
         tables.speeds(runs),
         Heading(2, "Beyond the paper: power"),
         Paragraph(
-            "Mechanical power that the actuator must give, its share against the fluid, and its positive part alone, "
-            "which is what an actuator that stores nothing spends; and the mean vertical force (full vector) per power."
+            "Mechanical power of the actuator, the power delivered to the fluid, the positive part alone (the power "
+            "of an actuator without energy storage), and the mean vertical force (full vector) per power."
         ),
         tables.power(runs),
     ]

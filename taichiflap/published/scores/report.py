@@ -102,17 +102,17 @@ def blocks(rows: Sequence[Row], tiers: Sequence[Tier], figures: Sequence[tuple[s
     found: list[pages.Block] = [
         pages.Heading(1, "Which model is right where"),
         pages.Paragraph(
-            f"Written by `taichiflap score` of version {__version__}. Each row compares the models with a published or "
-            "exact figure. The band is the scatter between sources, or the error of the instrument. A value is inside "
-            "the band, within 25 % of the figure, or outside; phases are within 25 % when they err by less than 22.5 "
-            "deg. In each regime the figures that every model misses stand first."
+            f"Written by `taichiflap score` of version {__version__}. Each row compares the models with a published "
+            "or exact value. The band is the scatter between sources, or the error of the instrument. A model's "
+            "value is inside the band, within 25 % of the published one, or outside; a phase counts as within 25 % "
+            "if its error is below 22.5 deg. In each regime the values that every model misses come first."
         ),
     ]
     named = dict(figures)
     missed = [row for row in rows if hopeless(row)]
     if missed:
         names = "; ".join(f"{row.published.name}, {row.truth.quantity}" for row in missed)
-        found.append(pages.Paragraph(f"Figures that no model comes within 25 % of: {names}."))
+        found.append(pages.Paragraph(f"No model is within 25 % of these values: {names}."))
     for number, (name, own) in enumerate(groups(rows), 1):
         found += [pages.Heading(2, name), pages.Paragraph(sentence(own, tiers)), _table(own, tiers)]
         if f"scores-{number}" in named:
