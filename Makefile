@@ -23,10 +23,10 @@ hawkmoth.h5:
 	@$(MAKE) hawkmoth
 
 test: .venv/.dev browser  ## all tests, two files at a time, and what lines and branches they cover
-	$(BIN)/python -m pytest -n 2 --dist loadfile --cov
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder --cov
 
 test-fast: .venv/.dev  ## the tests of a second or less each: half a minute
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
 
 browser:  ## Debian's chromium, for the tests that drive a browser
 	@command -v chromium > /dev/null \
