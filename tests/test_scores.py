@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import hawkmoth
+from conftest import CASES, hawkmoth
 
 import taichiflap
 from taichiflap.case.case import parse_case
@@ -410,6 +410,22 @@ def test_a_comparison_warns_of_a_mean_of_too_few_beats(tmp_path):
     assert f"  warning: {DBET.label}: {few.doubts['dbet']}" in comparison.lines(few, [DBET])
     assert "too few beats" in few.doubts["dbet"]
     assert not enough.doubts
+
+
+def test_a_comparison_names_the_settings_that_are_the_cases_own(tmp_path):
+    """The blades of the paper's case are the paper's in both columns, which the numbers alone do not tell."""
+    at = np.arange(20) / 20
+    trace = written(tmp_path / "a.csv", "t/T,power", at, 1.0 + at)
+    case = taichiflap.load_case(CASES / "hawkmoth_dbet.toml", ["time.periods=4"])
+    (found,) = against.compare(case, [trace], [DBET, PAPER])
+    assert "dbet.coefficients" in found.own["dbet"]
+    assert "dbet.coefficients" not in found.own.get("dbet-paper", ())
+    assert any(
+        line.startswith(f"  {DBET.label} has the case's own dbet.added_mass")
+        for line in comparison.lines(found, [DBET, PAPER])
+    )
+    (plain,) = against.compare(hawkmoth("time.periods=4", "solver=dbet"), [trace], [DBET])
+    assert not plain.own
 
 
 @pytest.mark.parametrize("angle", RAMPS)

@@ -72,6 +72,7 @@ class Comparison:
         phases: times compared: of a beat, or in s.
         measured: by quantity.
         modelled: by quantity and the model's name.
+        own: keys of a model's own that the case sets, by the model's name; only of models with such keys.
         doubts: why the means of a model are not yet known to their digits, by its name; only of models with a doubt.
         failed: why a model gave nothing, by its name.
     """
@@ -85,6 +86,7 @@ class Comparison:
     phases: Array
     measured: Mapping[str, Figures]
     modelled: Mapping[str, Mapping[str, Figures]]
+    own: Mapping[str, Sequence[str]]
     doubts: Mapping[str, str]
     failed: Mapping[str, str]
 
@@ -179,6 +181,7 @@ def compare(
                 {name: Figures.of(at, values, case.periodic) for name, values in measured.items()},
                 {name: {tier: Figures.of(at, row[name], case.periodic, errors[tier][number][name])
                         for tier, row in rows.items()} for name in trace.values},
+                {tier.name: keys for tier in tiers if tier.name not in failed and (keys := tier.own(case))},
                 doubts, failed,
             )
         )  # fmt: skip

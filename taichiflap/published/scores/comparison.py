@@ -34,6 +34,8 @@ def stated(found: Comparison, tiers: Sequence[Tier]) -> Iterator[str]:
             f"reference: {scale.speed:.4g} m/s ({speed}), {scale.area:.4g} m2 ({area}), "
             f"density {scale.density:.4g} kg/m3"
         )
+    for name, keys in found.own.items():
+        yield f"{labels[name]} has the case's own {', '.join(keys)}; leave them out of the case for its defaults"
     for name, doubt in found.doubts.items():
         yield f"warning: {labels[name]}: {doubt}"
     for name, reason in found.failed.items():

@@ -29,6 +29,14 @@ class Tier:
     settings: tuple[str, ...]
     reynolds: tuple[float, float] | None = None
 
+    def own(self, case: Case) -> tuple[str, ...]:
+        """Keys that a case itself sets for this tier's model, and the tier does not."""
+        changed = case.override(*self.settings)
+        table = getattr(changed, changed.solver)
+        known = {setting.partition("=")[0] for setting in self.settings}
+        keys = (f"{changed.solver}.{key}" for key in sorted(table.model_fields_set))
+        return tuple(key for key in keys if key not in known)
+
     def cases(self, published: Published) -> tuple[Case, ...]:
         """A published case with the settings of this tier, or the cases of its family."""
         one = published.case().override(*self.settings, *published.settings.get(self.name, ()))
