@@ -380,3 +380,25 @@ def test_a_map_has_its_name_when_it_is_laid_out_and_not_before(case, tmp_path, m
     assert not list(tmp_path.iterdir())
     with pytest.raises(maps.MapError, match=r"cannot be created: .*nowhere is not a folder"):
         prepare(case, planned, tmp_path / "nowhere" / "map.h5")
+
+
+def attempt(planned, case, number, checked):
+    """A case of a design with its document, or why it cannot be."""
+    try:
+        made = planned.case(case, number, checked)
+    except UserError as error:
+        return str(error)
+    return made, made.to_dict()
+
+
+def test_a_table_that_was_checked_before_makes_the_same_case(case):
+    """Whatever keys vary, and where two values do not fit each other: cases that share a table's values share it."""
+    vary = {
+        "wing.pivot": "0.0,0.3", "wing.modes": "0,2", "motion.pitch.amplitude_deg": "10.0,20", "time.periods": "1,2"
+    }  # fmt: skip
+    for more in ({}, {"solver": "uvlm,dbet"}, {"motion.plunge.phase_deg": "0.0,90.0"}):
+        planned, checked = design(case.override("wing.pivot=0.0", "wing.modes=0"), vary | more), {}
+        for number in range(planned.size):
+            answers = [attempt(planned, case, number, known) for known in (None, checked)]
+            assert answers[0] == answers[1]
+        assert bool(checked) == ("solver" not in more)

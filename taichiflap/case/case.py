@@ -4,6 +4,7 @@ import difflib
 import math
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -236,12 +237,30 @@ class Case(CaseTable):
         document = {**apply_settings(self._opened(settings), settings, "override"), **named}
         return self._following(document, "override", self.origin.folder or Path())
 
-    def changed(self, values: Mapping[str, Any], source: str = "changed") -> "Case":
+    def changed(
+        self, values: Mapping[str, Any], source: str = "changed", checked: "dict[Any, Section] | None" = None
+    ) -> "Case":
         """A copy with some dotted keys changed. Only the changed tables are checked again.
+
+        Args:
+            checked: tables with changed numbers that have been checked before, for many copies of this case; this one's
+                are added.
 
         Raises:
             CaseError: with every problem found.
         """
+        keys = _tables(values) if checked is not None and not self.origin.tables else {}
+        if checked is None or not keys:
+            return self._checked(values, source)
+        if all(key in checked for key in keys.values()):
+            tables = {name: checked[key] for name, key in keys.items()}
+            with suppress(ValidationError):  # which is told below
+                return Case.model_validate(dict(self) | tables)._from(Origin(self.origin.folder))
+        case = self._checked(values, source)
+        checked |= {key: getattr(case, name) for name, key in keys.items()}
+        return case
+
+    def _checked(self, values: Mapping[str, Any], source: str) -> "Case":
         document = self._opened(values)
         problems = [
             f"{key}: {hit} is a value, not a table" for key in values if (hit := _place(document, key, values[key]))
@@ -289,6 +308,17 @@ class Case(CaseTable):
     def to_toml(self) -> str:
         """The case as TOML text. `load_case` reads it back to an equal case."""
         return tomli_w.dumps(self.to_dict())
+
+
+def _tables(values: Mapping[str, Any]) -> dict[str, Any]:
+    """A key for each changed table by its name, made of the numbers that are changed; empty if not all are numbers."""
+    found: dict[str, list[Any]] = {}
+    for name, value in values.items():
+        table, dot, _ = name.partition(".")
+        if not dot or type(value) not in (int, float):
+            return {}
+        found.setdefault(table, []).append((name, type(value), value))
+    return {table: tuple(changed) for table, changed in found.items()}
 
 
 def _points(case: Case, name: str) -> Any:

@@ -71,13 +71,16 @@ class Design:
         """Settings that turn the base case into case `number`, as for `--set`."""
         return [f"{key}={value}" for key, value in self.point(number).items()]
 
-    def case(self, base: Case, number: int) -> Case:
+    def case(self, base: Case, number: int, checked: dict[Any, Any] | None = None) -> Case:
         """Case `number`: the base case with its values.
+
+        Args:
+            checked: see `Case.changed`.
 
         Raises:
             CaseError: if the values are not compatible.
         """
-        return _changed(base, self.point(number), ", ".join(self.settings(number)))
+        return _changed(base, self.point(number), ", ".join(self.settings(number)), checked)
 
     def check(self, case: Case) -> None:
         """Check every key and the ends of its range before the first run.
@@ -259,8 +262,8 @@ def _unit_points(sample: str, dimensions: int, seed: int) -> np.ndarray:
     return qmc.Sobol(dimensions, seed=seed).random_base2(power)
 
 
-def _changed(base: Case, point: Mapping[str, Value], source: str) -> Case:
-    return base.changed({key: read_value(v) if isinstance(v, str) else v for key, v in point.items()}, source)
+def _changed(base: Case, point: Mapping[str, Value], source: str, checked: dict[Any, Any] | None = None) -> Case:
+    return base.changed({key: read_value(v) if isinstance(v, str) else v for key, v in point.items()}, source, checked)
 
 
 def _held(document: Mapping[str, Any], key: str) -> Any:

@@ -377,6 +377,8 @@ class March:
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
         modes, force = view(self._track.modes), view(self._track.force)
         failed = self.failures()
+        # Without outputs the arrays of the last steps are the march's own.
+        taken = np.copy if self._stores or not self.done else np.asarray
         collected = []
         for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):
             end = max(first, min(last, case.steps + 1, failed[b] if failed[b] >= 0 else last))
@@ -384,9 +386,9 @@ class March:
             own = modes[b, :steps, :, : section.count]
             found = {
                 "step": np.arange(first, end),
-                "q": own[:, :MODAL_FORCE].copy(),
-                "modal_force": own[:, MODAL_FORCE].copy(),
-                "force": force[b, :steps].copy(),
+                "q": taken(own[:, :MODAL_FORCE]),
+                "modal_force": taken(own[:, MODAL_FORCE]),
+                "force": taken(force[b, :steps]),
             }
             if self._stores:
                 found["field_step"] = case.step_of(frames)

@@ -1,5 +1,6 @@
 """Deformable blade element theory: separated flow, attached flow and added mass of every chordwise element."""
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,8 +22,7 @@ class Dbet(Model):
     outputs = standard("pressure_jump", "shear")
 
     def nodes(self, case: Case) -> Array:
-        chord = case.wing.chord
-        return chord * np.arange(case.dbet.elements + 1) / case.dbet.elements - case.wing.pivot * chord
+        return _nodes(case.wing.chord, case.wing.pivot, case.dbet.elements)
 
     def problems(self, case: Case) -> list[str]:
         dbet, found = case.dbet, []
@@ -75,6 +75,14 @@ class Dbet(Model):
         from .flow import flow  # noqa: PLC0415 - Taichi, for a run alone
 
         return flow(cases, sections)
+
+
+@functools.lru_cache(maxsize=64)
+def _nodes(chord: float, pivot: float, elements: int) -> Array:
+    """Ends of the elements; not to change, since the cases of a study share them."""
+    found: Array = chord * np.arange(elements + 1) / elements - pivot * chord
+    found.setflags(write=False)
+    return found
 
 
 MODEL = Dbet()
