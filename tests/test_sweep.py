@@ -15,6 +15,7 @@ import taichiflap
 from taichiflap.case.case import parse_case
 from taichiflap.commands import progress
 from taichiflap.errors import UserError
+from taichiflap.kernels.arrays import Spare
 from taichiflap.maps import file as maps
 from taichiflap.maps import outcome
 from taichiflap.maps.design import design, read_vary
@@ -402,3 +403,15 @@ def test_a_table_that_was_checked_before_makes_the_same_case(case):
             answers = [attempt(planned, case, number, known) for known in (None, checked)]
             assert answers[0] == answers[1]
         assert bool(checked) == ("solver" not in more)
+
+
+def test_memory_that_batches_leave_each_other_changes_no_number(case):
+    """A batch of long cases leaves its numbers in the memory that the next, of the same size, takes."""
+    spare, names = Spare(), quantities.choose((), [case])
+    first, other = ([case.override(f"fluid.density={density}", *more)] for density, more in ((2.0, ()), (1.0, ())))
+    alone = batch.compute(other, names)
+    batch.compute(first, names, spare=spare)
+    taken = {id(one) for one in spare._arrays.values()}
+    again = batch.compute(other, names, spare=spare)
+    assert taken == {id(one) for one in spare._arrays.values()}
+    assert again == alone

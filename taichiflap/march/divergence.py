@@ -18,8 +18,7 @@ RUNAWAY = 10.0
 
 def limits(section: Modes) -> NDArray[np.float64]:
     """Amplitude of every mode at which a case counts as diverged: it deflects some point by `RUNAWAY` chords."""
-    shape = section.shape(np.linspace(0.0, section.chord, 65))
-    return RUNAWAY * section.chord / np.abs(shape).max(axis=1, initial=0.0)
+    return RUNAWAY * section.chord / section.peak
 
 
 def reason(

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..case.case import Case
 from ..kernels import linear, runtime
+from ..kernels.arrays import Spare
 from ..kernels.runtime import LANE, Floats3, Floats4, Ints1, View, passes, tasks, ti, view
 from ..motion.sampling import PITCH_ACCEL, PITCH_RATE
 from ..structure import beam
@@ -219,6 +220,7 @@ class March:
         threads: number of threads; None for all. It does not affect results.
         store_outputs: keep the outputs of the fluid model too; studies of many cases leave them out to save memory.
         room: the steps that the first `advance` takes, if known: memory is then allocated once.
+        spare: arrays of an earlier march, and of this one once it has ended, see `end`.
     """
 
     @runtime.exclusive
@@ -229,12 +231,14 @@ class March:
         threads: int | None = None,
         store_outputs: bool = True,
         room: int = 1,
+        spare: Spare | None = None,
     ) -> None:
         self._runtime = runtime.start()
         self.cases = list(cases)
         self.fluid = fluid
         self.sections = [beam.modes(case.wing) for case in self.cases]
-        motions = bodies.sample_motions(self.cases)
+        self._spare = spare or Spare()
+        motions = bodies.sample_motions(self.cases, self._spare)
         self.motion = view(motions)
         self.body = bodies.allocate(self.cases, self.sections, motions)
         self.flow = fluid.flow(self.cases, self.sections, self.body, threads)
@@ -332,6 +336,10 @@ class March:
         with passes(self.flow.passes):
             self._kernel(self._batch, np.array([first, last, opening, len(self.cases), self._lanes], dtype=np.int32))
 
+    def end(self) -> None:
+        """Leave the largest arrays to another march. What `advance` and `motion` gave is no longer valid."""
+        self._spare.leave(self.body.motion, self._track.modes, self._track.force)
+
     def failures(self) -> np.ndarray:
         """Step at which each case diverged, or -1."""
         return view(self.body.failed).copy()
@@ -362,8 +370,8 @@ class March:
         self._room = steps, frames = max(steps, self._room[0]), max(frames, self._room[1])
         count, _, most = self.body.q.shape
         self._track = Track(
-            modes=ti.ndarray(ti.f64, (count, steps, 4, most)),
-            force=ti.ndarray(ti.f64, (count, steps, 4)),
+            modes=self._spare.take(count, steps, 4, most),
+            force=self._spare.take(count, steps, 4),
         )
         output: dict[str, Any] = {}
         if self._stores:

@@ -86,7 +86,7 @@ class Series:
     @functools.cached_property
     def moved(self) -> Array:
         """Columns of the motion, shape (COLUMNS, cases, steps)."""
-        return np.ascontiguousarray(np.moveaxis(self._motion, -1, 0))
+        return np.array(np.moveaxis(self._motion, -1, 0), order="C")
 
     @functools.cached_property
     def state(self) -> Array:

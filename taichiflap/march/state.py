@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..case.case import Case
-from ..kernels.arrays import array, zeros
+from ..kernels.arrays import Spare, array, zeros
 from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Ints2, View, ti, view
 from ..motion import sampling
 from ..motion.sampling import PITCH, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
@@ -60,13 +60,13 @@ GIVEN = ("motion",)
 """Arrays determined by the case alone; they are not part of a march's state."""
 
 
-def sample_motions(cases: Sequence[Case]) -> Any:
+def sample_motions(cases: Sequence[Case], spare: Spare) -> Any:
     """The motion of every case at all its steps, an array of Taichi of shape (cases, steps + 1, COLUMNS): see `COSINE`.
 
     It is at rest after a case's last step.
     """
     longest = max(case.steps for case in cases) + 1
-    made = ti.ndarray(ti.f64, (len(cases), longest, COLUMNS))
+    made = spare.take(len(cases), longest, COLUMNS)
     for moving, case in zip(view(made), cases, strict=True):
         moves, count = case.motion, case.steps + 1
         how = moves.frequency, moves.growth, case.step, count

@@ -61,6 +61,16 @@ class Modes:
         """Mass-normalised mode shapes phi_k at chordwise positions `y` (m): shape (modes, len(y)), 1/sqrt(kg)."""
         return self._shape(np.asarray(y, dtype=np.float64) / self.chord)[0]
 
+    def curves(self, y: ArrayLike) -> tuple[Array, Array]:
+        """Both `shape` and `slope`."""
+        shape, slope = self._shape(np.asarray(y, dtype=np.float64) / self.chord)
+        return shape, slope / self.chord
+
+    @functools.cached_property
+    def peak(self) -> Array:
+        """Largest magnitude of the mode shapes, shape (modes,)."""
+        return np.abs(self.shape(np.linspace(0.0, self.chord, 65))).max(axis=1, initial=0.0)
+
     @functools.cached_property
     def tip(self) -> Array:
         """Mode shapes at the trailing edge, shape (modes,)."""

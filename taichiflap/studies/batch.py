@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import fluids
 from ..case.case import Case, CaseError
+from ..kernels.arrays import Spare
 from ..kernels.runtime import available_threads
 from ..maps.design import Design
 from ..maps.outcome import Outcome
@@ -118,19 +119,22 @@ def compute(
     keep_series: bool = False,
     threads: int | None = None,
     progress: Callable[[float], None] | None = None,
+    spare: Spare | None = None,
 ) -> list[Outcome]:
     """Run cases with one solver together. The results of a case do not depend on the other cases.
 
     Args:
         progress: callback of the fraction done, 0 to 1.
+        spare: memory of the batch before, and for the one after.
     """
     cases = [case.resolved() for case in cases]
+    total = sum(work(case) for case in cases)
+    longest = max(case.steps for case in cases)
+    steps = max(1, int(longest * LAUNCH_WORK * (threads or available_threads()) / total))
     with fluids.blamed(cases[0].solver):
-        march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False)
+        march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False, room=steps, spare=spare)
         march.advance(0)
     blocks: list[list[dict[str, np.ndarray]]] = []
-    total = sum(work(case) for case in cases)
-    steps = max(1, int(march.steps * LAUNCH_WORK * (threads or available_threads()) / total))
     while not march.done:
         blocks.append(march.advance(steps))
         if progress:
@@ -141,6 +145,7 @@ def compute(
         kept = [name for name in ("time", *SERIES) if name in run.variables] if keep_series else []
         for i, (b, found) in enumerate(zip(members, measure(run, metrics), strict=True)):
             outcomes[b] = Outcome(found, {name: getattr(run, name)[i] for name in kept})
+    march.end()
     return [outcomes[b] for b in range(len(cases))]
 
 

@@ -10,6 +10,7 @@ from .. import disk
 from .._version import __version__
 from ..case.case import Case, CaseError
 from ..errors import extra
+from ..kernels.arrays import Spare
 from ..kernels.runtime import available_threads, check_threads
 from ..maps import file as maps
 from ..maps.design import Design, design
@@ -171,9 +172,10 @@ def here(found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outco
     """Run batches in this process, one after the other, or in several."""
     if spec.processes > 1:
         yield from workers.shared(found, spec.metrics, spec.keep_series, spec.processes, spec.progress)
+    spare = Spare()
     for batch in found:
         tell = functools.partial(spec.progress, batch)
-        yield batch, compute(batch.cases, spec.metrics, spec.keep_series, spec.threads, tell)
+        yield batch, compute(batch.cases, spec.metrics, spec.keep_series, spec.threads, tell, spare)
 
 
 def _there(cluster: str, found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outcome]]]:

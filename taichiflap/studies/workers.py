@@ -20,6 +20,7 @@ from typing import Any
 
 from ..case.case import Case
 from ..case.solver import ELSEWHERE
+from ..kernels.arrays import Spare
 from ..maps.outcome import Outcome
 from .batch import Batch, compute, work
 
@@ -57,8 +58,10 @@ def shared(
     waiting = iter(found)
     come: queue.SimpleQueue[tuple[Worker, Batch, list[Outcome] | None]] = queue.SimpleQueue()
 
+    spare = Spare()
+
     def here(batch: Batch) -> Found:
-        return batch, compute(batch.cases, metrics, keep_series, 1, lambda share: progress(batch, share))
+        return batch, compute(batch.cases, metrics, keep_series, 1, lambda share: progress(batch, share), spare)
 
     with contextlib.ExitStack() as stack:
         crew = [stack.enter_context(Worker(come)) for _ in range(count - 1)]
@@ -146,11 +149,12 @@ def serve() -> None:
     with os.fdopen(os.dup(1), "wb") as answers:
         # Whatever is printed here must not get between the answers.
         os.dup2(2, 1)
+        spare = Spare()
         with contextlib.suppress(EOFError, OSError):
             while True:
                 cases, metrics, keep_series = pickle.load(sys.stdin.buffer)
                 answer: list[Outcome] | None = None
                 with contextlib.suppress(Exception):  # it is run again, and reported, where it came from
-                    answer = compute(cases, metrics, keep_series, 1)
+                    answer = compute(cases, metrics, keep_series, 1, spare=spare)
                 pickle.dump(answer, answers)
                 answers.flush()

@@ -107,7 +107,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         element[b, AREA, :n] = elements.areas(case)
         element[b, SHARE, :n] = 1.0 / n
         element[b, STRETCH, :n] = 1.0
-        shape[b, : section.count, :n], slope[b, : section.count, :n] = section.shape(y), section.slope(y)
+        shape[b, : section.count, :n], slope[b, : section.count, :n] = section.curves(y)
         sines[b, :, :n] = added_mass.table(case)
         shape_sine[b] = (shape[b, :, None] * sines[b]).sum(axis=2)
         cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(n), attached.loads(n)
