@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 REPEATS = 5
+short = False
+"""Whether everything is clocked only once, to see that it runs."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ def alternate(works: Mapping[str, Work], repeats: int = REPEATS) -> dict[str, Cl
 
     One turn goes ahead unclocked, to compile and to warm caches.
     """
+    repeats = 1 if short else repeats
     taken: dict[str, list[tuple[float, float]]] = {name: [] for name in works}
     for turn in range(repeats + 1):
         for name, work in works.items():

@@ -1,7 +1,7 @@
 """Pair sums: the velocity that vortices induce at each other, ours against the C loop and numba, at every size."""
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -49,11 +49,11 @@ def contestants() -> dict[str, Sum]:
     return {name: loop for name, loop in present.items() if loop}
 
 
-def measure() -> PairRates:
+def measure(sizes: Sequence[int] = SIZES) -> PairRates:
     """Clock all contestants at all sizes; they must agree on the velocities."""
     found = PairRates()
     threads = available_threads()
-    for size in SIZES:
+    for size in sizes:
         cloud = np.random.default_rng(size).normal(size=(3, size))
         points = np.tile(cloud[:2], (1, max(1, round(PAIRS / size**2))))
         works: dict[str, Work] = {}
@@ -84,7 +84,7 @@ def rows(found: PairRates) -> Iterator[Row]:
         if peer not in found.rate:
             yield Row(SECTION, f"ours over {peer}", None, "x", target, note=missing)
             continue
-        for size in SIZES:
+        for size in ours:
             ratio = ours[size] / found.rate[peer][size]
             yield Row(SECTION, f"ours over {peer}, {size} vortices", ratio, "x", target)
     threads = available_threads()

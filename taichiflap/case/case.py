@@ -238,7 +238,7 @@ class Case(CaseTable):
         return self._following(document, "override", self.origin.folder or Path())
 
     def changed(
-        self, values: Mapping[str, Any], source: str = "changed", checked: "dict[Any, Section] | None" = None
+        self, values: Mapping[str, Any], source: str = "changed", checked: dict[Any, Any] | None = None
     ) -> "Case":
         """A copy with some dotted keys changed. Only the changed tables are checked again.
 
