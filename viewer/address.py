@@ -1,4 +1,4 @@
-"""What a page's address holds: the frame of a run that stands still, and what somebody chose."""
+"""Content of a page's address: the frame of a paused run, and the choices that differ from the defaults."""
 
 import math
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ MOST = 6
 
 
 def chosen(playback: Playback) -> dict[str, str]:
-    """What can be chosen, by name, as text."""
+    """The choices by name, as text."""
     return {
         "layers": ",".join(name for name, shown in playback.layers.items() if shown),
         "background": playback.background, "dark": str(int(playback.dark)), "charts": ",".join(playback.charts),
@@ -23,14 +23,14 @@ def chosen(playback: Playback) -> dict[str, str]:
 
 
 def held(playback: Playback, usual: Mapping[str, str]) -> dict[str, str | None]:
-    """What the address should hold: the frame, and what differs from the usual; None for what it should not."""
+    """Values for the address: the frame and choices that differ from the defaults; None for those to remove."""
     moving = playback.playing or playback.follow
     texts = {name: None if value == usual[name] else value for name, value in chosen(playback).items()}
     return texts | {"frame": None if moving else str(playback.frame)}
 
 
 def taken(texts: Mapping[str, str], playback: Playback, run: Run) -> Playback:
-    """Playback as an address says; what this run does not have is left."""
+    """Set playback as in an address; choices that the run does not have are ignored."""
     found = replace(playback, dark=texts.get("dark") == "1")
     if "layers" in texts:
         names = texts["layers"].split(",")

@@ -102,7 +102,7 @@ class Viewer(Server):
         self._guard(session.start, playback)
 
     def _explorer(self, case: Case) -> Worker:
-        """The process that computes what is explored; begun with the first browser that does."""
+        """The process that computes explored cases; it starts with the first browser that explores."""
         with self._lock:
             if self._worker is None or not self._worker.alive:
                 self._worker = Worker(case)

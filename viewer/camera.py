@@ -65,7 +65,7 @@ def home(box: Box, width: float, height: float, aside: float = LEGEND_PIXELS) ->
 
 
 def is_narrow(client: Any) -> bool:
-    """Whether a browser's window is a phone's."""
+    """Whether a browser's window is as narrow as a phone's."""
     return bool(1.0 < client.camera.image_width <= NARROW)
 
 

@@ -1,4 +1,4 @@
-"""What a page's own script and the server tell each other, by hidden elements of viser's.
+"""Messages between a page's script and the server, through hidden viser elements.
 
 The page asks through a hidden text control, whose values are numbered because viser drops one that is equal to the
 last. The server answers with hidden elements that replace one another: what the address should hold, and the values
@@ -56,17 +56,17 @@ class Channel:
                 asyncio.get_running_loop().run_in_executor(None, self._answer)
 
     def tell_address(self, held: Mapping[str, str | None]) -> None:
-        """Say what the page's address should hold, by name; None for what it should not."""
+        """Set values of the page's address by name; None removes one."""
         if held != self._told:
             self._told = dict(held)
             wire.send(self._address, content=hidden("tf-address", self._told))
 
     def tell_cursor(self, text: str) -> None:
-        """Say what stands under the cursor; nothing for nothing."""
+        """Set the text for the point under the cursor; empty for none."""
         wire.send(self._cursor, content=hidden("tf-cursor", text))
 
     def _answer(self) -> None:
-        """Do what was asked for: of several frames, or places of the cursor, the last."""
+        """Process requests; of several frames or cursor positions only the last counts."""
         with self._lock:
             while self._asked:
                 what, value = self._asked.popleft()
@@ -77,7 +77,7 @@ class Channel:
 
 
 def understood(text: str) -> tuple[str, Any] | None:
-    """What a page asks for, and with which value; None for what no page would."""
+    """The request of a page and its value; None if it is invalid."""
     try:
         _, what, value = json.loads(text)
     except (ValueError, TypeError, RecursionError):
@@ -88,7 +88,7 @@ def understood(text: str) -> tuple[str, Any] | None:
 
 
 def hidden(name: str, value: Any) -> str:
-    """A hidden element that tells the page's script a value."""
+    """A hidden element that passes a value to the page's script."""
     return f'<i id="{name}" hidden data-is="{escape(json.dumps(value))}"></i>'
 
 

@@ -79,7 +79,7 @@ def quantities(runs: list[Run]) -> list[Quantity]:
 
 
 def available(runs: list[Run], shown: list[Quantity]) -> list[Quantity]:
-    """Every series that may be shown: those that are at first, and all others that the results hold."""
+    """Every series that can be shown: the default ones, then all others of the results."""
     known = {one.name for one in shown}
     others = []
     for name in runs[0].variables:

@@ -1,4 +1,4 @@
-"""Times of a result's frames: beats, strokes, and what they are called."""
+"""Times of a result's frames: beats, strokes, and their names."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from .frame import Array
 
 
 class Clock:
-    """The times of a result's frames and steps, which may become more.
+    """The times of a result's frames and steps, of which there may be more later.
 
     Args:
         case: the case that was computed.
@@ -66,7 +66,7 @@ class Clock:
         return [self.index_at(float(beats)) for beats in found]
 
     def half_stroke(self, index: int) -> str:
-        """Direction of the half-stroke at a frame; empty if the wing does not plunge back and forth."""
+        """Direction of the half-stroke at a frame; empty without a periodic plunge."""
         if not self._turns:
             return ""
         # A reversal belongs to the half-stroke that follows it.

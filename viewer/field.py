@@ -39,7 +39,7 @@ KEPT = 64
 
 @dataclass(frozen=True)
 class Wanted:
-    """What of a flow a browser wants to see.
+    """The parts of a flow that a browser shows.
 
     Attributes:
         kind: one of `BACKGROUNDS`.
@@ -54,12 +54,12 @@ class Wanted:
 
     @property
     def read(self) -> "Wanted":
-        """What a reading at a point takes."""
+        """Data for the values at a point."""
         return replace(self, kind=SPEED, arrows=False, streamlines=False)
 
     @property
     def needs_velocity(self) -> bool:
-        """Whether vorticity alone will not do."""
+        """Whether more than the vorticity is needed."""
         return self.arrows or self.kind == SPEED
 
 
@@ -156,7 +156,7 @@ class Fields:
             return self._flows[key]
 
     def limits(self, found: Flow) -> tuple[float, float]:
-        """Ranges of vorticity and speed: those of the first flow looked at, for good, or of what the result holds."""
+        """Ranges of vorticity and speed: those of the stored flow, or of the first flow shown."""
         if found.stored:
             self._limits["vorticity"] = self.run.extent(False).limit
         elif "vorticity" not in self._limits:
@@ -211,7 +211,7 @@ class Fields:
 
 
 def colours(theme: Theme, stored: bool) -> Map:
-    """Those of vorticity: strong where it is all that there is to see, faint behind the dots of a wake."""
+    """Colours of vorticity: strong if only vorticity is shown, faint behind the dots of a wake."""
     return theme.flow if stored else theme.vorticity
 
 

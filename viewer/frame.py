@@ -50,7 +50,7 @@ class Frame:
 
     @cached_property
     def from_wing(self) -> "Frame":
-        """The frame as one sees it from the wing: the pivot stands still, the undeformed chord lies across."""
+        """The frame as seen from the wing: the pivot is fixed and the undeformed chord horizontal."""
 
         def turned(vectors: Array) -> Array:
             return vectors @ self.axes.T

@@ -209,7 +209,7 @@ class Run(Clock):
                 raise OSError(f"frame {index} cannot be read: {error}") from None
 
     def flow_field(self, index: int) -> FlowField | None:
-        """All that the fluid model knows of the flow of a frame.
+        """The fluid model's flow field of a frame.
 
         Raises:
             OSError: when a file that is being written cannot be read just now.
@@ -221,7 +221,7 @@ class Run(Clock):
                 raise OSError(f"frame {index} cannot be read: {error}") from None
 
     def standpoint(self, index: int, riding: bool) -> Standpoint:
-        """Where a frame is seen from: from the wing if `riding`."""
+        """Frame of reference of a frame: the wing's if `riding`."""
         with self._lock:
             try:
                 return Standpoint.of(self.result, index, WING if riding else INERTIAL)
@@ -229,11 +229,11 @@ class Run(Clock):
                 raise OSError(f"frame {index} cannot be read: {error}") from None
 
     def carried(self, index: int) -> flow.Carried:
-        """How points that move with the wing move in a frame."""
+        """Velocity of points that move with the wing in a frame."""
         return flow.Carried.at(self.case, self.time(index))
 
     def extent(self, riding: bool) -> flow.Extent:
-        """How far the stored vorticity of the last beat reaches, m, and the limit of its colours."""
+        """Extent of the stored vorticity of the last beat, m, and the limit of its colours."""
         frame = WING if riding else INERTIAL
         with self._lock:
             if frame not in self._extents:

@@ -1,4 +1,4 @@
-"""The flow of a result on a plain grid: for ParaView as VTKHDF, and as netCDF for xarray and the like.
+"""The flow of a result on a uniform grid: as VTKHDF for ParaView, and as netCDF, for example for xarray.
 
 Both have the vorticity and the velocity of the fluid in every frame, NaN inside the section.
 
@@ -33,11 +33,11 @@ PLAIN = Orientation(1.0, 0.0)
 
 
 class GridError(files.OutputError):
-    """A result that holds no flow to put on a grid: one sentence with the cause."""
+    """Raised for a result without a flow that could be sampled: one sentence with the cause."""
 
 
 class Grid:
-    """A grid that holds for all frames of a result.
+    """A grid for all frames of a result.
 
     Args:
         reference: the frame of reference in which it stands still.
@@ -64,7 +64,7 @@ class Grid:
         self.along, self.up = flow.middles(box, self.shape)
 
     def stand(self, index: int) -> Standpoint:
-        """Where a frame is seen from."""
+        """The frame of reference of a frame."""
         return Standpoint.of(self._result, index, self._reference) if self._paged else Standpoint(PLAIN)
 
     def frames(self) -> Iterator[tuple[Array, Array]]:
@@ -86,7 +86,7 @@ def _writing(path: Path) -> Iterator[tuple[Any, hdf.Guarded]]:
 
 
 def _frames_of(place: Any, name: str, shape: tuple[int, ...], frames: int) -> Any:
-    """Room for a variable, a chunk a frame."""
+    """A dataset for a variable, with one chunk per frame."""
     return place.create_dataset(
         name, (frames, *shape), "f4", chunks=(1, *shape), compression=1, shuffle=True, fillvalue=np.nan
     )

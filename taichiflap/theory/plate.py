@@ -32,7 +32,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Heaving:
-    """What a heaving plate does, as `taichiflap.theory` counts it, for heave of one chord.
+    """Response of a heaving plate, in the conventions of `taichiflap.theory`, for a heave of one chord.
 
     Attributes:
         tip: elastic deflection of the trailing edge over the heave.
@@ -76,14 +76,14 @@ class ElasticPlate:
         self._cosines, self._sines = np.cos(order * self._angle), np.sin(order * self._angle)
 
     def _potential(self, k: float, wash: Complex) -> tuple[complex, Complex]:
-        """A_0, and A_n from n = 1 on, for the wash v at all places."""
+        """A_0, and A_n from n = 1 on, for the downwash v at all points."""
         v = 2.0 / POINTS * self._cosines @ wash
         order = np.arange(1, TERMS + 1)
         terms = -v[1 : TERMS + 1] - 1j * k * (v[:TERMS] - v[2 : TERMS + 2]) / (2 * order)
         return complex(v[1] - theodorsen(k) * (v[0] + v[1])), terms
 
     def _load(self, edge: complex, terms: Complex) -> Complex:
-        """The load `2 phi` times `dx/dt`, so that sums over the places are integrals, but for their step."""
+        """The load `2 phi` times `dx/dt`, so that sums over the points are integrals up to the step."""
         sine = np.sin(self._angle)
         smooth: Complex = 2.0 * terms @ self._sines[1 : TERMS + 1] * sine
         return smooth + edge * (1.0 - np.cos(self._angle))

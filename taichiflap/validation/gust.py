@@ -1,4 +1,4 @@
-"""The models against the exact lift of a plate that flies into a gust: Kuessner's sharp edge, Sears's sinusoid."""
+"""The models compared with the exact lift of a plate in a gust: Kuessner's sharp edge and Sears's sinusoid."""
 
 import math
 from collections.abc import Sequence
@@ -145,7 +145,7 @@ def viscous(k: float, reynolds: float = REYNOLDS, *settings: str) -> Case:
 
 
 def viscous_sears(frequencies: Sequence[float] = VISCOUS) -> Check:
-    """How near to Sears's function the lift is in a viscous fluid."""
+    """Deviation of the lift in a viscous fluid from Sears's function."""
     cases = [viscous(k) for k in frequencies]
     found = np.array(
         [response(case, history, k) for case, history, k in zip(cases, run(cases), frequencies, strict=True)]

@@ -1,4 +1,4 @@
-"""The Navier-Stokes model against published time histories of separated flow."""
+"""The Navier-Stokes model compared with published time histories of separated flow."""
 
 import math
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ STROKE = 1.4
 
 
 def hovering() -> Case:
-    """Hover of an ellipse, symmetrical, 45 deg at mid-stroke, Reynolds number 75 by the largest speed."""
+    """Symmetrical hover of an ellipse, 45 deg at mid-stroke, Reynolds number 75 with the maximum speed."""
     base = plate("solver=navier_stokes", "fluid.viscosity=1.0", "wing.pivot=0.5", "navier_stokes.thickness=0.1")
     motion = {
         "frequency": 1.0,

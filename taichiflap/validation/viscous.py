@@ -1,4 +1,4 @@
-"""The Navier-Stokes model against exact and published viscous flows."""
+"""The Navier-Stokes model compared with exact and published viscous flows."""
 
 import math
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ FIRST_BEAT = ((0, 2.58, 0.03), (1, 6.9, 0.1))
 
 
 def viscous(case: Case, **tables: object) -> Case:
-    """A case with whole tables in the place of others."""
+    """A case with some tables replaced."""
     document = {name: table for name, table in case.to_dict().items() if name != "output"}
     return parse_case({**document, **tables}, "validation")
 
@@ -41,12 +41,12 @@ def coefficients(case: Case, history: History) -> tuple[Array, Array, Array]:
 
 
 def circle(*settings: str) -> Case:
-    """A cylinder of unit diameter: the section as thick as it is long, about its middle."""
+    """A cylinder of unit diameter: a section as thick as its chord, with the pivot in the middle."""
     return plate("solver=navier_stokes", "navier_stokes.thickness=1.0", "wing.pivot=0.5", *settings)
 
 
 def stokes(viscosities: Sequence[float] = TURNS, cells: int = 64) -> Check:
-    """Moment on a cylinder that turns to and fro in a fluid at rest: Stokes's second problem, in the round."""
+    """Moment on a cylinder in rotational oscillation in a fluid at rest: Stokes's second problem on a cylinder."""
     rows, curves = [], []
     steps, periods, angle = 400, 4, 1.0
     for viscosity in viscosities:
@@ -159,7 +159,7 @@ def triple_deck(reynolds: float) -> float:
 
 
 def hawkmoth(modes: int, steps: int = 2000, *settings: str) -> Case:
-    """The first beat of the hawkmoth at a Reynolds number of 2,667: the pitch grows over a quarter of a beat."""
+    """The hawkmoth's first beat at a Reynolds number of 2,667, with a pitch start-up of a quarter of a beat."""
     frequency, chord = 25.0, 0.02
     beat = np.linspace(0.0, 1.0, 401)
     grown = np.minimum(4.0 * beat, 1.0)
@@ -209,7 +209,7 @@ def first_beat(expected: Sequence[tuple[int, float, float]] = FIRST_BEAT, steps:
 
 
 def grids(cells: Sequence[int] = CELLS) -> Check:
-    """How the forces converge with the cells: half a beat of the hawkmoth's rigid wing at a Reynolds number of 100."""
+    """Convergence of the forces with the cells: half a beat of the rigid hawkmoth wing at a Reynolds number of 100."""
     cases = [
         hawkmoth(0, 1600, f"fluid.viscosity={4.0 * 25.0 * 0.02**2 / 100.0}", f"navier_stokes.cells={n}",
                  f"navier_stokes.wall_spacing={0.03 * 64 / n}")

@@ -1,4 +1,4 @@
-"""Changes of a case: what is explored of it, what a change asks for besides, and the way back."""
+"""Changes of a case: its explored part, keys that a change requires, and undo."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -16,14 +16,14 @@ DENSE = 100.0
 
 
 def brief(case: Case) -> Case:
-    """A case of a few beats, as many as are explored."""
+    """The case with only as many beats as are explored."""
     if case.periodic and (case.time.periods or 0) > BEATS:
         return case.changed({"time.periods": BEATS})
     return case
 
 
 def changed(case: Case, values: dict[str, Any]) -> Case:
-    """The case with some values changed, and with a viscosity if the model then asks for one.
+    """The case with some values changed, and with a viscosity if the model requires one.
 
     Raises:
         CaseError: for a value that is refused.
@@ -38,13 +38,13 @@ def changed(case: Case, values: dict[str, Any]) -> Case:
 
 
 def settings(first: Case, case: Case, keys: Iterable[str]) -> list[str]:
-    """What makes the first case into another, as `--set` takes it."""
+    """Settings that change the first case into another, in the form of `--set`."""
     different = [key for key in keys if value_of(first, key) != value_of(case, key)]
     return [f"{key}={short_text(value_of(case, key))}" for key in different]
 
 
 def short_text(value: Any) -> str:
-    """A value as `--set` takes it."""
+    """A value in the form of `--set`."""
     return str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
 
 
@@ -55,7 +55,7 @@ class History:
         self._cases, self._now = [first], 0
 
     def add(self, case: Case) -> None:
-        """Go on to a case; what was undone is forgotten."""
+        """Set the current case; cases that were undone are dropped."""
         self._now += 1
         self._cases[self._now :] = [case]
 

@@ -110,7 +110,7 @@ def value_of(case: Case, key: str) -> Any:
 
 @functools.cache
 def _schema(kind: type[BaseModel]) -> dict[str, Any]:
-    """What a table of the case file may say; to find out takes longer than a run of blade elements."""
+    """Schema of a table of the case file, cached, since creating it takes longer than a run of blade elements."""
     return kind.model_json_schema()
 
 

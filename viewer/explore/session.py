@@ -1,4 +1,4 @@
-"""One browser that explores: its case, its sliders, what came of the last change, and what it is compared with."""
+"""One exploring browser: its case, its sliders, the last result, and the pinned result."""
 
 import contextlib
 import functools
@@ -70,7 +70,7 @@ class ExploreSession(Session):
             self._tell()
 
     def close(self) -> None:
-        """Let go of what is this browser's alone."""
+        """Release the resources of this browser."""
         for place in (self._place, self._beside_place):
             self._worker.release(place)
         self.leave()
@@ -90,7 +90,7 @@ class ExploreSession(Session):
 
     @property
     def _other(self) -> str:
-        """What the case is compared with."""
+        """The result that the case is compared with."""
         return "pinned" if self._second == NO_MODEL else self.pinned.case.model
 
     def _set_up(self) -> tuple[Stage, list[Actor]]:
@@ -106,11 +106,11 @@ class ExploreSession(Session):
 
     @staticmethod
     def _signature(run: Run) -> tuple[Any, ...]:
-        """What the scene is built for: another needs it built anew."""
+        """Properties that the scene depends on; if they change, it is built again."""
         return run.has_wake, run.page, run.chord, run.path is None, run.case.model
 
     def _tell(self) -> None:
-        """The numbers, and what was changed."""
+        """The metrics and the changed keys as HTML."""
         line = shlex.join([*self._command, *(part for setting in self._settings() for part in ("--set", setting))])
         table = compare.table(self.pinned, self.run, RUNS[::-1], (self._other, "now"))
         scored = f"nearest scored case: {escape(nearest.sentence(self.case))}"
@@ -122,11 +122,11 @@ class ExploreSession(Session):
         )
 
     def _settings(self) -> list[str]:
-        """What makes the first case into this one, as `--set` takes it."""
+        """Settings that change the first case into this one, in the form of `--set`."""
         return settings(self.first, self.case, self.sliders.keys)
 
     def tick(self, seconds: float) -> None:
-        """Play on; look at a run that is shown while it is computed."""
+        """Advance playback, and check a run that is shown during its computation."""
         if not self.run.live:
             super().tick(seconds)
         elif self._wishes and time.monotonic() - self._looked > LOOK_SECONDS:
@@ -184,7 +184,7 @@ class ExploreSession(Session):
         self._choose(case)
 
     def _choose(self, case: Case) -> None:
-        """Go on to a case, from which undo leads back."""
+        """Set the current case; undo returns to the previous one."""
         if case != self.case:
             self._history.add(case)
             self._go_to(case)
@@ -215,12 +215,12 @@ class ExploreSession(Session):
         self._choose(self.first if name == NO_PRESET else brief(load_case(FOLDER / f"{name}.toml")))
 
     def _complain(self, key: str, text: str) -> None:
-        """Say why a value is refused, beside the keys and at the control."""
+        """Show why a value is rejected, next to the keys and at its control."""
         self._message.content = notice(text)
         self.sliders.blame(key, text)
 
     def _pin(self) -> None:
-        """Compare with what is shown now."""
+        """Pin the current result for comparison."""
         with self._lock:
             old, self.pinned = self.pinned, self.run
             self._refresh()
@@ -228,7 +228,7 @@ class ExploreSession(Session):
                 self._drop(old)
 
     def _set_second(self, model: str) -> None:
-        """Compare with what another model makes of the same motion, from now on; or with what is shown now."""
+        """From now on compare with another model's result for the same case, or with the current result."""
         self._second = model
         self._ask_second()
         if model == NO_MODEL:
@@ -299,7 +299,7 @@ class ExploreSession(Session):
                 self._drop(old)
 
     def _refresh(self) -> None:
-        """Show what is new: in the scene as it stands, if it is of the right make."""
+        """Show new data, in the existing scene if it has the same properties."""
         self.charts.runs = [self.run, self.pinned]
         if self._signature(self.run) != self._shape:
             self._build()

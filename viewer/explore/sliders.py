@@ -1,4 +1,4 @@
-"""The controls of a case in one browser: a slider, a menu or a box for each of its keys, most behind a search."""
+"""The controls of a case in one browser: a slider, a menu or a checkbox for each key, most of them behind a search."""
 
 import math
 from collections.abc import Callable
@@ -34,7 +34,7 @@ class Sliders:
         return list(self.handles)
 
     def show(self, case: Case) -> None:
-        """Show a case: it may have other keys than the last."""
+        """Show a case, whose keys may differ from those of the last one."""
         with self._client.atomic():
             if [one.key for one in controls(case)] != self.keys:
                 self._build(case)
@@ -48,14 +48,14 @@ class Sliders:
                     handle.value = shown
 
     def blame(self, key: str, text: str) -> None:
-        """Say at its control why a value is refused; nothing takes that back."""
+        """Show at its control why a value is rejected; an empty text removes the message."""
         if key in self.handles:
             handle, control = self.handles[key]
             if handle.hint != (text or control.text):
                 handle.hint = text or control.text
 
     def find(self, words: str) -> None:
-        """Show the keys that have all these words in their name or meaning, besides those that matter first."""
+        """Show the keys whose name or description contains all these words, in addition to the main keys."""
         self._words = words
         wanted, found = words.lower().split(), 0
         with self._client.atomic():

@@ -1,4 +1,4 @@
-"""The server of `explore`: one case to start from, one process that computes for all browsers."""
+"""The server of `explore`: one initial case, and one process that computes for all browsers."""
 
 import sys
 import threading
@@ -51,7 +51,7 @@ class Explorer(Server):
         self.serve(self._connect, self._disconnect)
 
     def stop(self) -> None:
-        """Stop serving, and the process that computes."""
+        """Stop the server and the computing process."""
         super().stop()
         for session in self.sessions:
             session.close()

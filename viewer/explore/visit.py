@@ -1,4 +1,4 @@
-"""One browser of a result: it may go on to explore the case of that result, and come back."""
+"""One browser of a result, which can switch to exploring the case of that result and back."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -19,7 +19,7 @@ EXPLORE, BACK = "Explore this case", "Back to the result"
 
 
 class Visit:
-    """What one browser sees: the result, or its case among sliders.
+    """The current view of one browser: the result, or its case with sliders.
 
     Args:
         client: viser's handle of the browser.
@@ -45,11 +45,11 @@ class Visit:
 
     @property
     def playback(self) -> Playback:
-        """Where the browser is in the result."""
+        """The browser's position in the result."""
         return self._result.playback
 
     def start(self, playback: Playback) -> None:
-        """Let the page go on from here."""
+        """Continue the page from here."""
         self.session.start(playback)
 
     def tick(self, seconds: float) -> None:
@@ -57,13 +57,13 @@ class Visit:
         self.session.tick(seconds)
 
     def grow(self) -> None:
-        """Take notice of new frames of the result, or that it is complete."""
+        """Check for new frames of the result, or its completion."""
         if self._explored is None:
             self._result.grow()
             self._door.visible = self._may_explore
 
     def close(self) -> None:
-        """Let go of what is this browser's alone."""
+        """Release the resources of this browser."""
         if self._explored:
             self._explored.close()
 

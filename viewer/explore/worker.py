@@ -1,4 +1,4 @@
-"""The solver process of `explore`, since Taichi holds Python's lock for long and would block every page.
+"""The solver process of `explore`, separate because Taichi holds Python's lock for long and would block every page.
 
 Every browser has at most one request; a newer one replaces it. An outdated run is cancelled unless it is nearly done,
 so that results appear while a slider is dragged.
@@ -133,7 +133,7 @@ class Worker:
 
 
 def received(found: Path | Result) -> Result:
-    """The result of an answer; only one that is still being written keeps its file.
+    """The result of an answer; only a result that is still being written keeps its file.
 
     Raises:
         OSError: if it is gone.
@@ -161,7 +161,7 @@ def _work(pipe: Any, wanted: Any, folder: str, threads: int | None, first: dict[
 
 
 class _Desk:
-    """Takes the wishes of all browsers, and computes one after the other.
+    """Receives the requests of all browsers and computes one after the other.
 
     A long run stops at times to let others go first: they are computed inside it.
     """
@@ -172,7 +172,7 @@ class _Desk:
         self._depth = 0
 
     def serve(self) -> None:
-        """Compute what comes, until there is nobody to ask any more."""
+        """Compute requests until the parent process ends."""
         with contextlib.suppress(EOFError):
             while True:
                 self._hear(wait=not self._wishes)
@@ -226,7 +226,7 @@ class _Desk:
         return None, reason, time.perf_counter() - began - others
 
     def _let_others_go_first(self) -> float:
-        """Compute what waits, and tell the seconds that this took."""
+        """Compute the waiting requests, and send the time taken."""
         began = time.perf_counter()
         self._hear()
         if self._wishes and self._depth < DEEPEST:
@@ -239,6 +239,6 @@ class _Desk:
 
 
 def _seconds(case: Case) -> float:
-    """About how long a case takes."""
+    """Estimated time of a case."""
     resolved = case.resolved()
     return fluids.load(case.solver).work(resolved, resolved.steps // 2) * resolved.steps / PAIRS_A_SECOND

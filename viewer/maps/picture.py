@@ -1,4 +1,4 @@
-"""Content of a map's picture in a browser, and the positions of its cases. Independent of the browser itself.
+"""Content of a map's picture, and the positions of its cases. Independent of the browser.
 
 Every combination of two keys is a cell of a heat map; anything else over anything else, such as lift over power, is a
 point for every case.
@@ -30,7 +30,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Choice:
-    """What a browser wants to see: names of keys or metrics, and places of the keys that a heat map holds fixed."""
+    """Choices of a browser: names of keys or metrics, and indices of the keys that a heat map holds fixed."""
 
     across: str
     up: str
@@ -40,7 +40,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Picture:
-    """Cells or points. Places are shares of the picture, from its lower left corner.
+    """Cells or points. Positions are fractions of the picture, from its lower left corner.
 
     Attributes:
         numbers: of the cases, shape (rows, columns) from the lowest row, or (points,).
@@ -63,12 +63,12 @@ class Picture:
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Least and greatest value; 0 and 1 if there is none."""
+        """Minimum and maximum; 0 and 1 without values."""
         known = self.values[np.isfinite(self.values)]
         return (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
 
     def contours(self) -> list[tuple[float, list[Array]]]:
-        """Lines of equal value over a heat map: a round value, and its lines as shares of the picture, shape (n, 2)."""
+        """Contours of a heat map: a round value, and its lines as fractions of the picture, shape (n, 2)."""
         known = self.values[np.isfinite(self.values)]
         if self.points is not None or min(self.values.shape) < 2 or known.size < 4 or np.ptp(known) == 0.0:
             return []
@@ -83,7 +83,7 @@ class Picture:
         return int(row), int(column)
 
     def at(self, across: float, up: float) -> int | None:
-        """Number of the case at a place of the picture, if there is one."""
+        """Number of the case at a position of the picture; None if absent."""
         if self.points is not None:
             distance = np.hypot(*(self.points - (across, up)).T)
             if not np.any(distance <= NEAR):
@@ -97,7 +97,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Profile:
-    """A metric along one key, all others held: the key, its values and the metric's, as they are drawn.
+    """A metric along one key with all others fixed: the key, its values and those of the metric, in display units.
 
     Attributes:
         log: whether the key is drawn by its logarithm.
@@ -110,7 +110,7 @@ class Profile:
 
 
 def opening(sheet: Map) -> Choice:
-    """What is shown at first: the first metric over the first two keys, or over the only one."""
+    """The initial choice: the first metric over the first two keys, or over the only one."""
     varying = [axis for axis in sheet.design.axes if len(set(axis.values)) > 1] or list(sheet.design.axes)
     keys = [axis.key for axis in sorted(varying, key=lambda axis: not axis.numeric)]
     metric = shown(sheet.metrics)[0]
@@ -118,14 +118,14 @@ def opening(sheet: Map) -> Choice:
 
 
 def held(sheet: Map, choice: Choice) -> list[Axis]:
-    """The keys that a heat map holds fixed; none for points, of which there is one for every case."""
+    """The keys that a heat map holds fixed; none for a scatter, which has a point for every case."""
     if not _is_heat_map(sheet, choice):
         return []
     return [axis for axis in sheet.design.axes if axis.key not in (choice.across, choice.up) and len(axis.values) > 1]
 
 
 def read(sheet: Map, choice: Choice) -> Picture:
-    """The picture of a choice; a case for which the model does not hold has no value, as one that failed."""
+    """The picture of a choice; failed cases, and cases in which the model is invalid, have no value."""
     numbers = np.arange(sheet.design.size)
     broken, bent = limits.broken(sheet), limits.bent(sheet)
     values = np.where(broken, np.nan, _column(sheet, choice.colour))
@@ -146,7 +146,7 @@ def read(sheet: Map, choice: Choice) -> Picture:
 
 
 def profiles(sheet: Map, choice: Choice, picture: Picture, number: int) -> list[Profile]:
-    """The metric through a case along either key of a heat map; none of points."""
+    """The metric through a case along either key of a heat map; None for a scatter."""
     if picture.points is not None:
         return []
     row, column = picture.cell(number)
@@ -179,7 +179,7 @@ def _axis(sheet: Map, name: str) -> Axis | None:
 
 
 def _column(sheet: Map, name: str) -> Array:
-    """A metric or a key of every case, in the unit that it is drawn in; a key of text as the place of its value."""
+    """A metric or a key of every case, in its display unit; a text key as the index of its value."""
     axis = _axis(sheet, name)
     if axis is None:
         return factor_of(sheet, name) * sheet.values(name).ravel()

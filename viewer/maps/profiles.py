@@ -32,7 +32,7 @@ class Profiles:
         self._drawn: list[str] = []
 
     def show(self, profiles: Sequence[Profile], names: dict[str, str], metric: str, case: str) -> None:
-        """Draw profiles, each over its key.
+        """Draw the profiles, each over its key.
 
         Args:
             names: of the keys, with their units.
@@ -67,7 +67,7 @@ class Profiles:
 
 
 def _known(profile: Profile) -> tuple[Array, Array]:
-    """Where the metric is known, in the order of the key; uPlot finds no range for what begins with not-a-number."""
+    """The cases with a metric, in the order of the key; uPlot finds no range for data that start with NaN."""
     order = np.argsort(profile.places)
     order = order[np.isfinite(profile.values[order])]
     return profile.places[order], profile.values[order]

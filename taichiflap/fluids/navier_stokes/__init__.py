@@ -145,7 +145,7 @@ class NavierStokes(Model):
 
 
 def thickest(case: Case) -> float | None:
-    """Largest thickness of the wing itself, chords; None if the case does not say."""
+    """Maximum thickness of the wing itself, chords; None if unknown."""
     given = case.wing.thickness
     return None if given is None else float(Profile.of(given).values.max()) / case.wing.chord
 

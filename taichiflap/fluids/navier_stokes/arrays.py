@@ -1,4 +1,4 @@
-"""The arrays of the Navier-Stokes model, for a batch: what stands where."""
+"""The arrays of the Navier-Stokes model for a batch, and the meaning of their rows and columns."""
 
 from ...kernels.runtime import Floats2, Floats3, Floats4, Ints2, Ints3, Octets2, Octets3, Octets4, ti
 

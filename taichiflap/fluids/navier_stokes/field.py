@@ -1,4 +1,4 @@
-"""A stored frame of a flow as a field in space: where its cells are, and the flow at any points."""
+"""A stored frame of a flow as a field in space: positions of its cells, and the flow at any points."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -77,7 +77,7 @@ class Field:
         return self.pivot + wing * np.exp(1j * self.pitch) if inertial else wing
 
     def resampled(self, y: ArrayLike, z: ArrayLike, inertial: bool = True) -> Array:
-        """Vorticity at the points of a plain grid, (len(y), len(z)), 1/s.
+        """Vorticity at the points of a uniform grid, (len(y), len(z)), 1/s.
 
         It is NaN inside the section, and zero outside the grid.
 
@@ -155,7 +155,7 @@ class Field:
         return (points[0] + 1j * points[1] - self.pivot) * np.exp(-1j * self.pitch)
 
     def _located(self, points: Array) -> tuple[Array, Array]:
-        """rho of points, and their places among the rows and cells; those asked for last are remembered."""
+        """rho of points, and their fractional row and cell; the last request is cached."""
         if not self._last or self._last[0] is not points:
             zeta = inverted(self.coefficients, self._wing(points), self.chord)
             rho = np.log(np.abs(zeta))
@@ -166,7 +166,7 @@ class Field:
 
     @staticmethod
     def _sampled(values: Array, place: Array) -> Array:
-        """Values of the cells at places among them, by cubic splines."""
+        """Values at fractional rows and cells, by cubic splines."""
         from scipy.ndimage import map_coordinates  # noqa: PLC0415 - slow to import, and only pictures need it
 
         wrapped = np.concatenate((values[:, -SEAM:], values, values[:, :SEAM]), axis=1)

@@ -65,14 +65,14 @@ FRICTION_NORMAL, FRICTION_AXIAL, LARGEST_COURANT = range(3)
 
 @dataclass(frozen=True)
 class Uses:
-    """What of the model some case of a batch needs; the kernel holds nothing else."""
+    """Features of the model that some case of a batch needs; the kernel contains only these."""
 
     bending: bool
     gusts: bool
 
 
 def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any) -> Flow:
-    """A batch at its start.
+    """A batch at its first step.
 
     Raises:
         ResolutionError: when the cells of a case cannot resolve its flow.
@@ -90,7 +90,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any) -> Flow:
 
 
 def unmapped(case: Case, modes: Modes, q: Any, step: int) -> str:
-    """Why a case stopped whose section has bent too far for its map."""
+    """Reason why a case stopped because its section is bent too far for the map."""
     tip = abs(float(modes.shape([case.wing.chord])[:, 0] @ q[: modes.count])) / case.wing.chord
     return (
         f"the map of the bent section did not converge at step {step} (t = {step * case.step:.4g} s), with the "
@@ -107,13 +107,13 @@ def prepare(batch: View, b, n, rule, used: View):
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
-    """Complete step `n` with its modal acceleration."""
+    """Complete step `n` with the known modal acceleration."""
     complete(batch.body, batch.flow, b, n, used)
 
 
 @ti.func
 def advance(body: View, flow: View, b, n, rule, used: View):
-    """Advance the vorticity by step `n` but for what the modal rates have the wall feed into it; load and response."""
+    """Advance the vorticity to step `n`, except for the wall flux due to the modal rates; load and response."""
     beta = rule[BETA]
     bends = False
     if ti.static(used.bending):
@@ -182,7 +182,7 @@ def record(batch: View, b, frame):
 
 @ti.func
 def store_wall(flow: View, output: View, b, frame):
-    """Pressure jump and friction at the pairs of cells along the chord, from the leading edge."""
+    """Pressure jump and friction at the pairs of opposite cells along the chord, from the leading edge."""
     points = 8 * flow.size[b, OCTETS]
     half = points // 2
     # The pressure from its gradient, by the integral of a cubic through four points, from one end of the wall's

@@ -1,4 +1,4 @@
-"""The body-fitted grid about a section: rows from the wall outwards, cells around it, and what is constant on them.
+"""The body-fitted grid about a section: rows from the wall outwards, cells around it, and constants on them.
 
 The outside of the section is the image of |zeta| > 1 under y + i z = F(zeta) = r zeta + sum_n a_n zeta^-n; with
 zeta = e^(rho + i phi) the grid is rectangular in (rho, phi). Lengths are in chords. A rigid section is an ellipse of
@@ -71,7 +71,7 @@ class Grid:
 
     @cached_property
     def plan(self) -> Plan:
-        """How a row is transformed."""
+        """Plan of the transform of a row."""
         return Plan(self.points)
 
     @cached_property
@@ -140,7 +140,7 @@ class Grid:
         return upper, lower
 
     def reach(self, spread: float) -> int:
-        """Rows that feel the wall's flux within a step, an even number; `spread` is viscosity times the step."""
+        """Number of rows that the wall flux affects within a step, even; `spread` is viscosity times the step."""
         response = wall_response(self.area, self.drho, self.diffusion, spread, self.rows)
         total = response * self.area * self.drho[:, None]
         felt = np.flatnonzero((total > NEGLIGIBLE * total.sum(axis=0)).any(axis=1))

@@ -1,4 +1,4 @@
-"""The gust in the free stream, as the wall and the cells feel it.
+"""The gust in the free stream, on the wall and in the cells.
 
 The fluid's velocity is that of the stream, of the gust and of a disturbance u'; the gust is carried along unchanged
 (`taichiflap.motion.gust`), and its own vorticity does not change that of the disturbance ("field velocity": Singh &
@@ -28,7 +28,7 @@ def blows(flow: View, b):
 
 @ti.func
 def front(body: View, flow: View, b, n):
-    """How far the front stands ahead of the pivot, m, and the direction of the stream along e_y and e_z."""
+    """Distance of the front ahead of the pivot, m, and direction of the stream along e_y and e_z."""
     cosine, sine = body.motion[b, n, COSINE], body.motion[b, n, SINE]
     along_y, along_z = flow.gust[b, ALONG_Y], flow.gust[b, ALONG_Z]
     lead = flow.gust[b, FRONT] - along_y * body.motion[b, n, SURGE] - along_z * body.motion[b, n, PLUNGE]
@@ -37,7 +37,7 @@ def front(body: View, flow: View, b, n):
 
 @ti.func
 def shape(gust: View, b, behind):
-    """Share of the gust's velocity at a distance (m) behind its front; its integral from the front, and its slope."""
+    """Fraction of the gust's velocity at a distance (m) behind its front; its integral from there, and its slope."""
     length = gust[b, LENGTH]
     x = ti.max(behind, 0.0)
     share, integral, slope = 0.0, 0.0, 0.0
@@ -64,7 +64,7 @@ def shape(gust: View, b, behind):
 
 @ti.func
 def shape_at(flow: View, b, lead, s_y, s_z, y, z):
-    """`shape` at eight places (chords) of the wing's axes."""
+    """`shape` at eight points (chords) in the wing's axes."""
     share, integral, slope = Octet(0.0), Octet(0.0), Octet(0.0)
     behind = lead - flow.number[b, arrays.LENGTH] * (s_y * y + s_z * z)
     for lane in ti.static(range(8)):
@@ -77,7 +77,7 @@ def shape_at(flow: View, b, lead, s_y, s_z, y, z):
 
 @ti.func
 def blow_on_wall(flow: View, b, m, lead, s_y, s_z, v_y, v_z):
-    """Take the gust from the wall's velocity, streamfunction and acceleration, which hold those of the wing alone.
+    """Subtract the gust from the wall's velocity, streamfunction and acceleration, which are those of the wing alone.
 
     The acceleration is that of the wall in the fluid without the gust, `a - omega_gust z x u'`: so the pressure has one
     value.

@@ -1,4 +1,4 @@
-"""The map of a grid backwards: which zeta a point of the plane comes from."""
+"""The inverse of a grid's map: zeta of points in the plane."""
 
 import itertools
 from typing import Any
@@ -44,7 +44,7 @@ def mapped(coefficients: Complex, zeta: Complex) -> tuple[Complex, Complex]:
 
 
 def inverted(coefficients: Complex, points: Complex, chord: float) -> Complex:
-    """zeta of points (m), of any shape; of length below one inside the section.
+    """zeta of points (m), of any shape; its absolute value is below one inside the section.
 
     The start is the inverse of the map's first three terms, which is all that a straight section has.
     """
@@ -68,7 +68,7 @@ def inverted(coefficients: Complex, points: Complex, chord: float) -> Complex:
 def _improve(
     coefficients: Complex, points: Complex, zeta: Complex, left: NDArray[np.intp], close: float, steps: int
 ) -> NDArray[np.intp]:
-    """Newton's steps for the points `left`, in place; which of them have not converged."""
+    """Newton steps for the points `left`, in place; returns those that have not converged."""
     weight = np.abs(coefficients) / (NEGLIGIBLE * close / CLOSE)
     for _ in range(steps):
         size = np.abs(zeta[left])
@@ -85,7 +85,7 @@ def _improve(
 
 
 def _step(coefficients: Complex, points: Complex, zeta: Complex, some: NDArray[np.intp], close: float) -> Any:
-    """One step of the points `some`, in place; which of them want another."""
+    """One step for the points `some`, in place; returns those that need another."""
     before = zeta[some]
     found, slope = mapped(coefficients, before)
     change = (found - points[some]) / slope
@@ -101,7 +101,7 @@ def _step(coefficients: Complex, points: Complex, zeta: Complex, some: NDArray[n
 
 
 def _nearest(coefficients: Complex, points: Complex) -> Complex:
-    """Those of a few points about the section that lie next to others."""
+    """The nearest of a few points around the section to each of the others."""
     from scipy.spatial import cKDTree  # noqa: PLC0415 - slow to import, and only a bent section needs it
 
     known = np.outer(RINGS, np.exp(2j * np.pi * (np.arange(STARTS) + 0.5) / STARTS)).ravel()

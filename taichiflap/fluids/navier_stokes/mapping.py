@@ -1,4 +1,4 @@
-"""The conformal map of the outside of a bent section, anew each step, and the grid that it gives.
+"""The conformal map of the exterior of a bent section, computed in each step, and the resulting grid.
 
 The contour is y + i z = (1 + cos s)/2 + i (W + b sin s), an ellipse sheared along the wing's normal by its deflection
 W. The angles s(phi) that the points of the unit circle correspond to are found by Wegmann's iteration (Numer. Math.
@@ -88,7 +88,7 @@ def trace(flow: View, b, m, deflection):
 
 @ti.func
 def tangent_angle(flow: View, b, m):
-    """Angle of the tangent less phi, near pi/2 all around: no branch is crossed."""
+    """Angle of the tangent minus phi; it stays near pi/2, so that no branch is crossed."""
     c, s = flow.contour[b, CIRCLE, m], flow.contour[b, CIRCLE + 1, m]
     dy, dz = flow.contour[b, TANGENT, m], flow.contour[b, TANGENT + 1, m]
     real, imaginary = dy * c + dz * s, dz * c - dy * s
@@ -138,7 +138,7 @@ def rotate(flow: View, b, m, angle):
 
 @ti.func
 def store(flow: View, b, m, x, y):
-    """e^(i s), of length one again."""
+    """Store e^(i s), normalised to length one."""
     inverse = Octet(1.0) / ti.sqrt(x * x + y * y)
     flow.contour[b, NOW, m] = x * inverse
     flow.contour[b, NOW + 1, m] = y * inverse
@@ -146,7 +146,7 @@ def store(flow: View, b, m, x, y):
 
 @ti.func
 def find_map(body: View, flow: View, b):  # noqa: PLR0915 - one loop nest
-    """Coefficients of the map of the section as it is expected to bend; whether the iteration converged."""
+    """Coefficients of the map of the section at the predicted deflection; returns whether the iteration converged."""
     octets = flow.plan[b, 1, POINTS]
     points = 8 * octets
     deflection = 2 * body.modes[b]
@@ -219,7 +219,7 @@ def find_map(body: View, flow: View, b):  # noqa: PLR0915 - one loop nest
 
 @ti.func
 def correction(flow: View, b, m, shift):
-    """Change of s that a pass asks for at an octet of points."""
+    """Change of s in a pass at an octet of points."""
     real, imaginary = turned(flow, b, m)
     decay = exponential(flow.contour[b, GROWTH, m] * -1.0)
     # F = f e^-T e, and (F - g) over the derivative: f e^-tau less g over the tangent's direction, over its length.
@@ -253,7 +253,7 @@ def read_coefficients(flow: View, b):
 
 @ti.func
 def place_corners(flow: View, b, n, dt):
-    """Corners of the cells by Horner's rule, the rates at which they move, and the cells' areas."""
+    """Corners of the cells by Horner's rule, their velocities, and the areas of the cells."""
     octets, rows = flow.size[b, OCTETS], flow.size[b, ROWS]
     last = flow.size[b, TERMS] - 1
     r_y, r_z = flow.coefficient[b, 0, 0], flow.coefficient[b, 0, 1]
@@ -286,7 +286,7 @@ def place_corners(flow: View, b, n, dt):
 
 @ti.func
 def move_corner(flow: View, b, j, m, n, dt, y, z):
-    """A corner's new position, and its rate by BDF2."""
+    """New position of a corner, and its velocity by BDF2."""
     dy, dz = y - flow.corner_y[b, j, m], z - flow.corner_z[b, j, m]
     now, then = 1.5 / dt, 0.5 / dt
     if n == 1:

@@ -1,4 +1,4 @@
-"""The streamfunction of the vorticity: exact in free space, one wavenumber at a time.
+"""The streamfunction of the vorticity in an unbounded fluid, one wavenumber at a time.
 
 With `u = (psi_z, -psi_y)` in the wing's axes, `psi_rhorho + psi_phiphi = -J w` on any grid of this kind. For each
 wavenumber k, `A = psi' + k psi` obeys `A' - k A = -(J w)_k` and is integrated inwards from A = 0, which is what free
@@ -46,7 +46,7 @@ def weight(flow: View, b, j, s):
 
 @ti.func
 def transform_inwards(flow: View, b, rows, stepping, walls, bends):
-    """A of the inner `rows` rows, from the outermost of them in; and the spectra of `walls` pairs of wall lines.
+    """A of the inner `rows` rows, from the outermost inwards; and the spectra of `walls` pairs of wall lines.
 
     Args:
         stepping: whether the step's factor along rho is still to be substituted back.
@@ -160,7 +160,7 @@ def transform_outwards(body: View, flow: View, b, n, v_y, v_z, circulation, bend
 
 @ti.func
 def swept_along(flow: View, b, face, m, octets, last_y, last_z):
-    """Rate at which the faces between rows sweep area as the section bends; `last` are the corners an octet back."""
+    """Rate at which the faces between rows sweep area due to bending; `last` are the corners of the previous octet."""
     back = (m + octets - 1) % octets
     y, z = flow.corner_y[b, face, m], flow.corner_z[b, face, m]
     u, v = flow.rate_y[b, face, m], flow.rate_z[b, face, m]
@@ -171,7 +171,7 @@ def swept_along(flow: View, b, face, m, octets, last_y, last_z):
 
 @ti.func
 def swept_across(flow: View, b, face, m):
-    """Rate at which the faces between the cells of the row below `face` sweep area as the section bends."""
+    """Rate at which the faces between the cells of the row below `face` sweep area while the section bends."""
     mean_y = 0.5 * (flow.rate_y[b, face, m] + flow.rate_y[b, face - 1, m])
     mean_z = 0.5 * (flow.rate_z[b, face, m] + flow.rate_z[b, face - 1, m])
     dy = flow.corner_y[b, face, m] - flow.corner_y[b, face - 1, m]

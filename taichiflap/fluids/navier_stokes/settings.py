@@ -1,4 +1,4 @@
-"""What a case asks of the grid: given in its `[navier_stokes]`, or found from its Reynolds number."""
+"""Settings of a case's grid, from its table `[navier_stokes]` or from its Reynolds number."""
 
 import math
 from dataclasses import dataclass
@@ -40,12 +40,12 @@ TIMES = 512
 
 
 class ResolutionError(UserError):
-    """Raised when cells cannot resolve a flow: one sentence with the number that would do."""
+    """Raised if the cells cannot resolve a flow: one sentence with the required number."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Numbers of a case's flow; lengths in chords."""
+    """Settings of a case's flow; lengths in chords."""
 
     reynolds: float
     cells: int
@@ -54,7 +54,7 @@ class Settings:
     wall_spacing: float
 
     def grid(self, pivot: float) -> Grid:
-        """The grid that they ask for."""
+        """The grid of these settings."""
         half = 0.5 * self.thickness
         return Grid.stretched(
             self.cells, 2.0 * self.wall_spacing, math.log(self.radius / (0.5 * (0.5 + half))), half, pivot
@@ -78,7 +78,7 @@ def reynolds(case: Case) -> float:
 
 
 def settings(case: Case) -> Settings:
-    """The case's numbers, each given or found."""
+    """The settings of a case: given, or found from its Reynolds number."""
     asked, number = case.navier_stokes, reynolds(case)
     cells = asked.cells or next(points for most, points in POINTS if number <= most)
     stream = any(case.fluid.velocity)
@@ -126,7 +126,7 @@ def checked(case: Case) -> Settings:
 
 
 def completed(case: Case) -> Case:
-    """The case with a number of frames and a start-up where it does not say."""
+    """The case with its defaults for the number of frames and the start-up filled in."""
     changed: dict[str, Any] = {}
     if "every" not in case.output.model_fields_set:
         every = max(1, round(case.steps_per_beat / FRAMES_A_BEAT))
@@ -137,7 +137,7 @@ def completed(case: Case) -> Case:
 
 
 def starts_with_jump(case: Case) -> bool:
-    """Whether the wing, but for a start-up, has a velocity at the start."""
+    """Whether the wing would have a velocity at the start without a start-up."""
     motion = case.motion.model_copy(update={"start_up": None, "start_up_periods": None})
     behind = (1.0 - case.wing.pivot) * case.wing.chord
     over = 1.0 / motion.frequency if motion.frequency else case.duration

@@ -1,4 +1,4 @@
-"""What a case gives its flow before the first step: its numbers, tables, and the state at rest."""
+"""Data of a case's flow before the first step: numbers, tables, and the state at rest."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Given:
-    """A case and what follows from it."""
+    """A case and its derived data."""
 
     case: Case
     modes: Modes
@@ -54,7 +54,7 @@ class Given:
 
     @classmethod
     def of(cls, case: Case, modes: Modes) -> "Given":
-        """What follows from a case."""
+        """The derived data of a case."""
         found = checked(case)
         return cls(case, modes, found, found.grid(case.wing.pivot))
 
@@ -153,8 +153,7 @@ class Given:
         return made
 
     def map_places(self) -> NDArray[np.int32]:
-        """Where wavenumbers 0, 1, ... stand in a spectrum of the contour, counted from one; negative if -k stands
-        there."""
+        """Positions of wavenumbers 0, 1, ... in a spectrum of the contour, counted from one; negative for -k."""
         wave = self.plans[1].wavenumber
         made = np.zeros(self.grid.points // 2 + 1, np.int32)
         for (slot, lane), k in np.ndenumerate(wave):
@@ -177,7 +176,7 @@ class Given:
         return np.exp(-np.abs(grid.plan.wavenumber) * drho[:, None, None])
 
     def equations(self) -> NDArray[np.int32]:
-        """Row of `equation`: the places of each wavenumber's parts in a spectrum; behind them the wavenumbers."""
+        """Row of `equation`: positions of each wavenumber's parts in a spectrum, followed by the wavenumbers."""
         index, points = self.grid.plan.index, self.grid.points
         made = np.zeros((2, points), np.int32)
         c = 2
@@ -225,7 +224,7 @@ class Given:
     def _flux(
         self, wall: Any, slope: Any, velocity: complex, rate: float, depth: float = 0.0, wind: Any = 0.0
     ) -> Array:
-        """Vortex sheet over dphi on a wall that has come into motion.
+        """Vortex sheet over dphi on an impulsively started wall.
 
         Args:
             depth: of the row that it is spread over.
@@ -259,7 +258,7 @@ def map_points(thickness: float) -> int:
 
 
 def along_wall(rise: Array) -> Array:
-    """What has this derivative by phi, up to a constant."""
+    """Integral over phi of a derivative, up to a constant."""
     k = np.arange(len(rise) // 2 + 1)
     found = np.fft.rfft(rise) / (1j * np.maximum(k, 1))
     found[[0, -1]] = 0.0
@@ -267,7 +266,7 @@ def along_wall(rise: Array) -> Array:
 
 
 def sheet(tangent: Array, stream: Array, depth: float = 0.0) -> Array:
-    """Vortex sheet over dphi for which a wall's Im(V conj G) and streamfunction ask.
+    """Vortex sheet over dphi that gives no slip for a wall's Im(V conj G) and streamfunction.
 
     Args:
         depth: thickness in rho of the row over which it is spread; 0 on the wall itself.

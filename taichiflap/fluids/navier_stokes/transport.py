@@ -70,7 +70,7 @@ def upwind_phi(flow: View, b, j, m, octets):
 
 @ti.func
 def third_order(q, most, inverse):
-    """What turns second order into third: the share of a flux for the central part, and for the third difference.
+    """Correction from second to third order: the fraction of a flux for the central part, and for the third difference.
 
     The one fades and the other is cut off where `most`, a share of the cell over the step, is reached; `inverse` is
     one over it.
@@ -81,7 +81,7 @@ def third_order(q, most, inverse):
 
 @ti.func
 def central(q, higher, most, inverse, v1, c, w1, w2):
-    """Implicit scheme's flux of the known vorticity between c and w1, v1 and w2 being beyond them."""
+    """Implicit scheme's flux of the known vorticity between c and w1; v1 and w2 are the next cells on either side."""
     more, damping = third_order(q, most, inverse)
     return 0.5 * q * (c + w1) + (higher * more) * ((c + w1) - (v1 + w2)) + damping * ((w2 - v1) - 3.0 * (w1 - c))
 
@@ -301,8 +301,7 @@ def eliminate_rho(flow: View, b, beta):
 
 @ti.func
 def substitute(flow: View, b, j, out, scale, bends):
-    """Vorticity of row `j` at the end of the step, and its content J w times `scale` in a line; from the outer row
-    in."""
+    """Vorticity of row `j` at the end of the step, and J w times `scale` in a line; from the outer row inwards."""
     for m in range(flow.size[b, OCTETS]):
         x = flow.change[b, j, m] + flow.factor_rho[b, j, m] * flow.line[b, CARRY, m]
         flow.line[b, CARRY, m] = x

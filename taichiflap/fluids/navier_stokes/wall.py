@@ -1,4 +1,4 @@
-"""The wall: its motion, and the flux of vorticity that keeps the fluid from slipping on it.
+"""The wall: its motion, and the flux of vorticity that satisfies the no-slip condition.
 
 The flux of circulation `g` (over dphi and time) that the wall feeds into the first row is found implicitly: the factor
 along rho answers a change dg column by column with `w += response dg`, the slip is then linear in dg, and the influence
@@ -86,8 +86,7 @@ def pivot(body: View, flow: View, b, n):
 
 @ti.func
 def move_wall(body: View, flow: View, b, n, used: View):
-    """Tangential velocity, streamfunction and acceleration of the wall without the modes' own, and those of each
-    mode."""
+    """Tangential velocity, streamfunction and acceleration of the wall without modal motion, and those of each mode."""
     v_y, v_z, a_y, a_z = pivot(body, flow, b, n)
     rate, gain = body.motion[b, n, PITCH_RATE], body.motion[b, n, PITCH_ACCEL]
     scale = flow.number[b, SCALE]
@@ -115,7 +114,7 @@ def move_wall(body: View, flow: View, b, n, used: View):
 
 @ti.func
 def respond(flow: View, b, beta):
-    """Vorticity in the near rows by the wall's flux: `grid.wall_response`, for the cells as they are."""
+    """Response of the vorticity in the near rows to the wall flux: `grid.wall_response`, for the current cells."""
     felt, octets = flow.size[b, FELT], flow.size[b, OCTETS]
     spread = flow.number[b, NU] * beta
     source = beta / flow.row[b, 0, THICKNESS]
@@ -154,7 +153,7 @@ def turn(flow: View, b, i, points):
 
 @ti.func
 def invert_influence(flow: View, b):
-    """Influence matrix of the slip by the wall's flux, and its inverse: its rows behind those of the matrix."""
+    """Influence matrix of the wall flux on the slip, followed by the rows of its inverse."""
     octets = flow.size[b, OCTETS]
     points = 8 * octets
     scale = flow.number[b, SCALE]
@@ -205,7 +204,7 @@ def invert_influence(flow: View, b):
 
 @ti.func
 def oppose_slip(flow: View, b, defect, mean, out):
-    """Change of the wall's flux, in line `out`, that takes away a defect of the slip, with a given mean."""
+    """Change of the wall flux that removes a slip, with a given mean; stored in line `out`."""
     octets = flow.size[b, OCTETS]
     points = 8 * octets
     for c in range(points):
@@ -229,7 +228,7 @@ def oppose_slip(flow: View, b, defect, mean, out):
 
 @ti.func
 def hold_wall(body: View, flow: View, b):
-    """Changes of the wall's flux that the motion asks for without the modes, and with the rate of each."""
+    """Changes of the wall flux due to the motion without modes, and per unit rate of each mode."""
     base, octets = flow.size[b, BASE], flow.size[b, OCTETS]
     walls = base + WALL_SPECTRA
     defect = walls + 2 * body.modes[b] + 2
@@ -259,7 +258,7 @@ def hold_wall(body: View, flow: View, b):
 
 @ti.func
 def mean_acceleration(flow: View, b, k):
-    """Mean of Im(a conj G) for a unit acceleration of mode `k`: the mean of g follows with the other sign."""
+    """Mean of Im(a conj G) for a unit acceleration of mode `k`; the mean of g has the opposite sign."""
     line = LINES + MODAL_LINES * k + MODAL
     mean = Octet(0.0)
     for m in range(flow.size[b, OCTETS]):
@@ -269,7 +268,7 @@ def mean_acceleration(flow: View, b, k):
 
 @ti.func
 def settle_wall(body: View, flow: View, b, n):
-    """With the modal rates known: the wall's flux, what it feeds into the near rows, and the streamfunction's start.
+    """At the known modal rates: the wall flux, its effect on the near rows, and the streamfunction on the wall.
 
     Returns:
         The mean of Im(V conj G).
@@ -309,7 +308,7 @@ def settle_wall(body: View, flow: View, b, n):
 
 @ti.func
 def feed_rows(flow: View, b, bends):
-    """Add what the change of the wall's flux has fed into the near rows."""
+    """Add the effect of the change of the wall flux to the near rows."""
     for j in range(flow.size[b, FELT]):
         for m in range(flow.size[b, OCTETS]):
             more = flow.response[b, j, m] * flow.line[b, STEP, m]

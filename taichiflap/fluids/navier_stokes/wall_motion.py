@@ -1,4 +1,4 @@
-"""How the section of a stored frame moves through the fluid."""
+"""Motion of the section of a stored frame through the fluid."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class WallMotion:
 
     @classmethod
     def of(cls, result: Any, frame: int) -> "WallMotion":
-        """That of a frame of a result."""
+        """The wall motion of a frame of a result."""
         case = result.case
         moved = sample(case.motion, np.array([float(result.frame("time", frame))]))[0]
         through = complex(moved[SURGE_RATE], moved[PLUNGE_RATE]) - complex(*case.fluid.velocity)
@@ -69,7 +69,7 @@ class WallMotion:
 
 
 def _gust(case: Case, time: float, moved: Array) -> Callable[[Complex], Complex] | None:
-    """The gust's velocity as the wing meets it at a time (s) of its motion."""
+    """Velocity of the gust at the wing at a time (s) of its motion."""
     if case.fluid.gust == "none":
         return None
     turn, pivot = np.exp(1j * moved[PITCH]), complex(moved[SURGE], moved[PLUNGE])
