@@ -36,7 +36,7 @@ def floats(page, name, prop="points"):
 
 
 def wait_for_frame(page, viewer, index):
-    """Until a page shows a frame: the time that it tells, and its wing."""
+    """Wait until a page shows a frame: its time and its wing."""
     number, part = viewer.runs[0].beat_of(index)
     text = f"beat {number}   t/T = {part:.3f}"
     page.wait_for_function(f"() => {PROPS.format('/time')}.text.startsWith({text!r})")
@@ -51,7 +51,7 @@ def go_to(page, viewer, index):
 
 
 def shows_all(chart):
-    """In the page: whether a chart's axes take in its whole curve, and not much more."""
+    """Whether a chart's axes in the page fit its curve."""
     times, x, y = f"{chart}.data[0]", f"{chart}.scales.x", f"{chart}.scales.y"
     curve = f"Array.from({chart}.data[1]).filter(v => !isNaN(v))"
     spread = f"Math.max(...{curve}) - Math.min(...{curve})"
@@ -73,14 +73,14 @@ def choose(page, label, option):
 
 
 def pixels_of(page, colour, left=500, right=980):
-    """Number of pixels of the scene, no legend in it, of a colour that nobody could tell from this one."""
+    """Number of pixels of the scene, without its legend, of nearly this colour."""
     clip = {"x": left, "y": 0, "width": right - left, "height": 720}
     picture = np.round(255.0 * imread(io.BytesIO(page.screenshot(clip=clip)))[..., :3])
     return int(np.sum(np.abs(picture - colour).sum(axis=-1) < 8))
 
 
 def wait_until(page, condition):
-    """Poll the server's side while the page goes on."""
+    """Poll the server until a condition holds, while the page runs."""
     for _ in range(int(SECONDS / 0.05)):
         if condition():
             return

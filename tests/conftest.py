@@ -79,7 +79,7 @@ def march(cases, threads=None, block=10**9):
 
 
 def done(path):
-    """Cases of a map that have an outcome: none while the file is missing, or just being written."""
+    """Number of completed cases of a map; none while the file is missing or being written."""
     try:
         with taichiflap.open_map(path) as sheet:
             return sheet.design.size - len(sheet.pending)
@@ -93,7 +93,7 @@ def rng():
 
 
 def assert_columns_agree(ours, theirs, tolerance):
-    """Largest difference of each column within `tolerance` of its own size, or round-off of the largest."""
+    """Assert that the difference of each column is within `tolerance` of its size, or round-off of the largest."""
     difference = np.abs(ours - theirs).max(axis=0, initial=0.0)
     size = np.abs(theirs).max(axis=0, initial=0.0)
     assert np.all(difference <= tolerance * size + 1e-15 * size.max(initial=0.0)), (difference, size)
@@ -101,7 +101,7 @@ def assert_columns_agree(ours, theirs, tolerance):
 
 @pytest.fixture(autouse=True, scope="session")
 def _all_stays_on_this_machine():
-    """Of everything that the tests run, every command among it, nothing looks beyond the loopback."""
+    """Fail if any test, or any command that it runs, connects beyond the loopback interface."""
     yield
     noted = Path(os.environ["TAICHIFLAP_SOCKETS"]).read_text()
     assert not noted, noted
@@ -109,7 +109,7 @@ def _all_stays_on_this_machine():
 
 @pytest.fixture(autouse=True)
 def _no_mutant_hides():
-    """Mutants run in forks of a process that has run the tests already: what it remembers would answer for them."""
+    """Clear caches: mutants run in forks of a process that has run the tests already."""
     if "MUTANT_UNDER_TEST" in os.environ:
         for module in (beam, waves, sampling, waveforms):
             for cached in vars(module).values():

@@ -1,4 +1,4 @@
-"""SIGKILL at random moments of runs, sweeps and exports: `make crash-test` prints what became of the files.
+"""SIGKILL at random moments of runs, sweeps and exports: `make crash-test` prints the state of the files.
 
 After every kill each file must open with plain h5py, what is taken up again must equal the uninterrupted one in every
 bit, and an export must be whole or absent. Every process is a fork of this one, which has imported all, but not
@@ -58,7 +58,7 @@ def write(whole, folder, kind):
 
 
 def start(work, *arguments, ready=None):
-    """A process of its own, up to where its work begins, or to where it calls a method of the writer for good."""
+    """A separate process, started up to the beginning of its work, or to a call of a method of the writer."""
     begun, tell = os.pipe()
     process = os.fork()
     if process == 0:
@@ -80,7 +80,7 @@ def start(work, *arguments, ready=None):
 
 
 def killed(delay, work, *arguments, ready=None):
-    """Whether the work was still going on `delay` seconds after its beginning, when it was killed."""
+    """Whether the work was still running when it was killed, `delay` seconds after its start."""
     process = start(work, *arguments, ready=ready)
     time.sleep(delay)
     os.kill(process, signal.SIGKILL)
@@ -90,7 +90,7 @@ def killed(delay, work, *arguments, ready=None):
 
 
 def timed(work, *arguments):
-    """The seconds that some work takes."""
+    """Duration of some work, s."""
     began = time.perf_counter()
     work(*arguments)
     return time.perf_counter() - began
@@ -98,18 +98,18 @@ def timed(work, *arguments):
 
 @contextlib.contextmanager
 def helper():
-    """A process that is never killed: a function that has it do some work, and returns the seconds that it took."""
+    """A process that is not killed: returns a function that does some work in it and returns the duration, s."""
     with multiprocessing.get_context("fork").Pool(1) as pool:
         yield lambda *work: pool.apply(timed, work)
 
 
 def moment(rng, seconds):
-    """Of every ten kills three fall into the last tenth, where files are closed and get their names."""
+    """A random moment: 30 % of the kills are in the last tenth, when files are closed and renamed."""
     return rng.uniform(0.9 * seconds if rng.random() < 0.3 else 0.0, 1.1 * seconds)
 
 
 def arrays(path):
-    """Every array of an HDF5 file, as bytes or texts, by plain h5py."""
+    """Every array of an HDF5 file, read with plain h5py."""
     found = {}
     with h5py.File(path, "r") as file:
 
@@ -122,7 +122,7 @@ def arrays(path):
 
 
 def phase(path):
-    """Where a run was when it was killed."""
+    """Phase of a run when it was killed."""
     part = path.with_name(path.name + ".part")
     if path.exists():
         return "finished, to be tidied up"
@@ -133,14 +133,14 @@ def phase(path):
 
 
 def clear(folder, stem):
-    """Remove what was finished, and drafts that had no name yet; nothing else may be there."""
+    """Remove finished files and temporary files; nothing else may be left."""
     for left in (*folder.glob(f".{stem}*"), folder / f"{stem}.h5"):
         left.unlink(missing_ok=True)
     assert not list(folder.glob(f"{stem}*"))
 
 
 def crash_runs(kills, rng, folder):
-    """Kill runs again and again, each time resumed, until `kills` kills have hit; how often in which phase."""
+    """Kill and resume runs until `kills` kills have hit; returns their number in each phase."""
     phases, resumed = collections.Counter(), 0
     with helper() as complete:
         complete(simulate, folder / "whole.h5")
@@ -163,7 +163,7 @@ def crash_runs(kills, rng, folder):
 
 
 def crash_sweeps(kills, rng, folder):
-    """Kill sweeps, each time taken up again, until `kills` kills have hit."""
+    """Kill and continue sweeps until `kills` kills have hit."""
     hits = resumed = 0
     with helper() as complete:
         complete(sweep, folder / "map.h5")
@@ -183,12 +183,12 @@ def crash_sweeps(kills, rng, folder):
 
 
 def content(path):
-    """What must be equal: the bytes, or of an HDF5 file its arrays."""
+    """Content to compare: the bytes, or the arrays of an HDF5 file."""
     return arrays(path) if path.suffix == ".vtkhdf" else path.read_bytes()
 
 
 def crash_exports(kills, rng, folder, kinds):
-    """Kill exports of all kinds in turn: each file is absent, or whole."""
+    """Kill exports of all kinds in turn; each file must be absent or complete."""
     hits, seconds, expected = 0, {}, {}
     whole = folder / "whole.h5"
     for kind in kinds:

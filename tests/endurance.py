@@ -1,4 +1,4 @@
-"""Work that goes on for long: `make endurance` prints what becomes of the memory, and of Kelvin's sum.
+"""Long work: `make endurance` prints the memory, and the sum of all circulation.
 
     python tests/endurance.py [march | study | viewer [MINUTES]]
 
@@ -45,7 +45,7 @@ def memory(process=None):
 
 
 def march(*settings):
-    """A thousand beats, a block a beat; whether the sum of all circulation stays zero in memory that does not grow."""
+    """A thousand beats, one block per beat: the sum of all circulation stays zero, and memory does not grow."""
     case = hawkmoth(f"time.periods={BEATS}", "output.every=200", *settings)
     marched = March([case], fluids.load("uvlm"))
     vortices, flow = marched.groups["wake"], marched.groups["flow"]
@@ -92,7 +92,7 @@ def study():
 
 
 def browse(port, until, rng, trouble):
-    """A browser that looks for some seconds, leaves, and comes back."""
+    """A browser that connects for some seconds, disconnects, and reconnects."""
     while time.monotonic() < until:
         leave = min(until, time.monotonic() + rng.uniform(1.0, 20.0))
         try:
@@ -108,7 +108,7 @@ def browse(port, until, rng, trouble):
 
 
 def viewer(minutes=30.0):
-    """Ten browsers that come and go; whether the viewer's memory is flat, and nothing goes wrong."""
+    """Ten browsers connect and disconnect: the viewer's memory does not grow, and there are no errors."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.h5"
         taichiflap.simulate(hawkmoth(), path).close()

@@ -1,4 +1,4 @@
-"""The n-th write to the disk fails, n = 1, 2, ..., for every command that writes: what becomes of its files.
+"""The n-th write to the disk fails, n = 1, 2, ..., for every command that writes; its files must stay readable.
 
     python tests/full_disk.py [every K-th n]
 
@@ -121,7 +121,7 @@ def compiler():
 
 
 def loaded():
-    """This process again, with the library loaded, unless it is; the library."""
+    """The preloaded library; restarts this process with it if necessary."""
     path = os.environ.get("TAICHIFLAP_FULL_DISK")
     if path:
         library = ctypes.CDLL(path)
@@ -164,7 +164,7 @@ def attempt(shim, folder, words, n, persists, told):
 
 
 def look(folder):
-    """Whether all that a command left can be read; drafts of its own are none of it."""
+    """Check that every file of a command can be read and that no temporary file is left."""
     for path in sorted(folder.rglob("*")):
         if path.name == "whole.h5" or path.is_dir():
             continue
@@ -201,7 +201,7 @@ def trial(shim, folder, name, n, persists, whole):
 
 
 def main(stride=1, names=tuple(COMMANDS)):
-    """Try them all and print what became of them."""
+    """Run all trials and print the results."""
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made).resolve()
         shim = loaded()

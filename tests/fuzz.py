@@ -1,4 +1,4 @@
-"""Wrong input of every kind that chance finds: `python tests/fuzz.py 20000` counts what becomes of it.
+"""Random wrong input: `python tests/fuzz.py 20000` counts what is accepted and rejected.
 
 Case files, settings, tables of motion and sweep ranges are generated from the schema, half of them fitting it, and
 good files are damaged byte by byte. Each is refused in sentences that name a key, or gives a case whose wing, motion
@@ -88,7 +88,7 @@ def fitting(schema, rng):  # noqa: PLR0911
 
 
 def number(schema, rng):
-    """A number of a range, often near its ends, and of any order of magnitude."""
+    """A number in a range, often near its ends, of any order of magnitude."""
     low = schema.get("minimum", schema.get("exclusiveMinimum", -1e6))
     high = schema.get("maximum", schema.get("exclusiveMaximum", 1e6))
     if schema["type"] == "integer":
@@ -105,7 +105,7 @@ def properties(section):
 
 
 def document(rng):
-    """A case file as a dictionary: a good one with changes, or one made from the schema."""
+    """A case file as a dictionary: a valid one with changes, or one made from the schema."""
     if rng.random() < 0.5:
         made = fitting(SCHEMA, rng)
         # What excludes each other.
@@ -133,7 +133,7 @@ def document(rng):
 
 
 def damaged(data, rng):
-    """Bytes with a part cut off, changed, doubled or put elsewhere."""
+    """Bytes with a part removed, changed, duplicated or moved."""
     data = bytearray(data)
     what = rng.randrange(5)
     place = rng.randrange(len(data))
@@ -154,7 +154,7 @@ def damaged(data, rng):
 
 
 def examine(case):
-    """What a run would begin with is finite."""
+    """Check that the initial data of a run are finite."""
     case.resolved()
     section = beam.modes(case.wing)
     for values in (section.omega, section.lam, section.psi, section.shape(np.linspace(0.0, case.wing.chord, 5))):
@@ -169,7 +169,7 @@ def examine(case):
 
 
 def refusal_is_clear(error):
-    """Every problem is one line that begins with a key of the file, or says why there is none."""
+    """Check that every problem is one line that starts with a key of the file, or says why there is none."""
     for problem in error.problems:
         assert problem, error.problems
         assert "\n" not in problem, problem
@@ -240,7 +240,7 @@ def attempt(work):
 
 
 def read(path, out):
-    """What the reading commands do with a file."""
+    """Read a file as the reading commands do."""
     if maps.is_map(path):
         with maps.open_map(path) as sheet:
             "".join(map_lines(sheet))
@@ -254,7 +254,7 @@ def read(path, out):
 
 
 def forbid(lures):
-    """From now on, whatever opens, lists, starts or imports one of these ends this process."""
+    """From now on, end this process if it opens, lists, starts or imports one of these."""
 
     def watch(event, arguments):
         if event in ("open", "import", "os.listdir", "subprocess.Popen") and any(
@@ -306,7 +306,7 @@ def good_files(folder):
 
 
 def try_files(count, rng, folder):
-    """What became of so many damaged files, counted."""
+    """Read some damaged files; returns the number of each outcome."""
     found = collections.Counter()
     good = good_files(folder)
     path = folder / "damaged.h5"
@@ -321,7 +321,7 @@ LURES = ("lure_pipe", "lure_table", "lure_module", "/dev/zero", "/etc/passwd")
 
 
 def stranger(made, rng, folder):
-    """The text of a case that names other files and modules wherever a case can."""
+    """The text of a case that names other files and modules wherever possible."""
     place = rng.choice([str(folder / "lure_pipe"), str(folder / "lure_table.csv"), "/dev/zero", "/etc/passwd"])
     table = {"kind": rng.choice(["table", "measured"]), "periodic": True, "file": place}
     what = rng.randrange(4)
@@ -335,7 +335,7 @@ def stranger(made, rng, folder):
 
 
 def try_strangers(count, rng, folder):
-    """What became of so many files whose case names other files and modules, counted."""
+    """Read some files whose case names other files and modules; returns the number of each outcome."""
     found = collections.Counter()
     good = good_files(folder)
     os.mkfifo(folder / "lure_pipe")
@@ -354,7 +354,7 @@ def try_strangers(count, rng, folder):
 
 
 def try_input(count, rng, folder):
-    """What became of so many case files, tables and designs, counted by kind; stops at the first that fails."""
+    """Try some case files, tables and designs; returns the number of each outcome, and stops at the first failure."""
     found = collections.Counter()
     kinds = (try_case, try_case, try_case, try_table, try_sweep)
     for _ in range(count):
@@ -364,7 +364,7 @@ def try_input(count, rng, folder):
 
 
 def main(count, seed):
-    """Print what became of `count` inputs, of a tenth as many damaged files, and of as many files from strangers."""
+    """Print the outcomes of `count` inputs, of a tenth as many damaged files, and of the untrusted files."""
     rng = random.Random(seed)
     began = time.monotonic()
     failed = False

@@ -1,4 +1,4 @@
-"""Changes the physics in pure Python with mutmut, and prints the share of mutants that the tests notice, by module.
+"""Changes the physics in pure Python with mutmut, and prints the share of mutants that the tests detect, by module.
 
 With names on the command line (`taichiflap.motion.*`) those are tried anew, and others are as they were. A mutant is
 noticed when a test fails, or runs until it is stopped. Exit code 1 if a module is below the share asked for.
@@ -22,7 +22,7 @@ CACHED = match.FunctionDef(
 
 
 def with_cached_functions(skip):
-    """Mutmut passes over whatever is decorated; a function that is cached is physics like any other."""
+    """Include cached functions: mutmut skips whatever is decorated."""
     return lambda visitor, node: not match.matches(node, CACHED) and skip(visitor, node)
 
 
@@ -38,7 +38,7 @@ def try_mutants(names):
 
 
 def shares():
-    """Print the figures; returns the least share of a module."""
+    """Print the results; returns the minimum share of a module."""
     found = collections.defaultdict(collections.Counter)
     listed = subprocess.run(
         [sys.executable, "-m", "mutmut", "results", "--all", "true"], capture_output=True, text=True, check=True

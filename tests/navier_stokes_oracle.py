@@ -18,12 +18,12 @@ def right(a):
 
 
 def third_order(q, most):
-    """Shares of a flux that turn second order into third, up to a limit."""
+    """Corrections of a flux from second to third order, up to a limit."""
     return q / 12 * np.maximum(1 - abs(q) / 12 / most, 0), np.minimum(abs(q) / 12, most)
 
 
 class Oracle:
-    """The flow about one section, at rest or just started, on the cells of `grid`."""
+    """The flow about one section, at rest or impulsively started, on the cells of `grid`."""
 
     def __init__(self, grid, nu, dt, velocity, rate):
         self.grid, self.nu, self.dt = grid, nu, dt
@@ -56,7 +56,7 @@ class Oracle:
         return tangent, stream
 
     def bend(self, n, coefficients):
-        """Take over a new map."""
+        """Set a new map."""
         corner = positions(coefficients, self.grid.faces, self.grid.corners)
         moved = corner - self.corner
         self.rates = moved / self.dt if n == 1 else (1.5 * moved - 0.5 * self.moved) / self.dt
@@ -104,7 +104,7 @@ class Oracle:
         return through, 0.5 * q * (w + right(w)) + grid.higher[1][:, None] * share * fourth + damping * third
 
     def transport(self, n, beta):
-        """The step but for the change of the wall's flux; returns the response of the rows to that."""
+        """The step without the change of the wall flux; returns the response of the rows to it."""
         grid, spread = self.grid, self.nu * beta
         rows, points = grid.rows, grid.points
         face, row = (share[:, None] for share in grid.blend)

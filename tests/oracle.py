@@ -62,7 +62,7 @@ class Oracle:
         raise NotImplementedError
 
     def end(self, n):
-        """Advance the state of the fluid, and note the step."""
+        """Advance the state of the fluid, and store the step."""
         raise NotImplementedError
 
     def march(self, steps):
@@ -249,7 +249,7 @@ class BladesOracle(DbetOracle):
         return lag, wash
 
     def pressure(self, v, a):
-        """Times the area of every element, and the share of the added mass in it."""
+        """Force on every element, and its part due to the added mass."""
         case, d = self.case, self.case.dbet
         u_n, _ = self.velocities(v)
         forces = self.known + self.sigma * self.slope * (v @ self.phi - self.w_rate)
@@ -418,7 +418,7 @@ class UvlmOracle(Oracle):
         self.tangent, self.normal = self.tangents(q_star @ self.slope_point)
 
     def place_leading(self, v_known):
-        """A vortex ahead of the leading edge, as one more column; without a row of its own it has no strength."""
+        """A vortex ahead of the leading edge, as an additional column; without its own row its strength is zero."""
         chord = self.case.wing.chord
         slope = self.q_star @ self.modes.slope(self.nodes[:1])
         (tangent,), (normal,) = self.tangents(slope)
@@ -437,12 +437,12 @@ class UvlmOracle(Oracle):
         self.matrix = np.block([[self.matrix, np.append(column, 1.0)[:, None]], [np.zeros(size), np.ones((1, 1))]])
 
     def edge_free(self, v):
-        """Suction velocity at the leading edge of all but the lattice's own and the new vortices."""
+        """Suction velocity at the leading edge without the lattice's and the new vortices."""
         edge = self.point_velocity(self.nodes[0], self.w[0], v @ self.phi[:, 0])
         return self.scale * (self.edge_wash + self.stream - edge) @ self.edge_normal
 
     def decide(self, v_star):
-        """If the expected suction passes its limit, a last row that holds it there."""
+        """If the predicted suction exceeds its limit, an additional row that keeps it there."""
         self.shedding = False
         expected = self.edge_free(v_star) + self.circulation(v_star) @ self.through
         limit = self.case.uvlm.suction_limit * self.case.reference_speed
@@ -451,7 +451,7 @@ class UvlmOracle(Oracle):
             self.matrix[-1] = self.through
 
     def strengths(self, gamma):
-        """Circulation of the bound vortices, and of the new one of either edge."""
+        """Circulation of the bound vortices, and of the new one of each edge."""
         count = len(self.vortices)
         return gamma[:count], gamma[count], (gamma[count + 1] if self.sheds else 0.0)
 
@@ -465,7 +465,7 @@ class UvlmOracle(Oracle):
         return np.array(shed)
 
     def find_slip(self, gamma):
-        """Tangential velocity of the fluid past the wing: at the points, or at the vortices with all the others."""
+        """Tangential velocity of the fluid: at the points, or at the vortices with the velocity of all others."""
         if self.whole:
             tangential = self.of_wake + self.strengths(gamma)[1] * self.of_new - self.control_velocity(self.v_star)
             self.tangential = np.sum(tangential * self.tangent, axis=1)

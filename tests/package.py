@@ -1,4 +1,4 @@
-"""Build the wheel and the source archive, install each in clean environments, and use what is there.
+"""Build the wheel and the source archive, install each in clean environments, and use them.
 
     python tests/package.py python3.11 python3.12 python3.13
 
@@ -43,7 +43,7 @@ def run(*command, cwd=None):
 
 
 def build(folder):
-    """The wheel and the source archive, the same bytes from the same commit wherever they are built."""
+    """Build the wheel and the source archive, byte-identical for a commit on any machine."""
     # In a copy: what an earlier build has left behind would go into the wheel.
     tracked = run("git", "ls-files", "--cached", "--others", "--exclude-standard", cwd=ROOT).splitlines()
     for name in filter(lambda name: (ROOT / name).is_file(), tracked):
@@ -63,7 +63,7 @@ def build(folder):
 
 @contextlib.contextmanager
 def at(when):
-    """The time of the commit, as builders take it, and no mask of the user's."""
+    """Environment with the time of the commit, and a default file mask."""
     mask, before = os.umask(0o022), os.environ.get("SOURCE_DATE_EPOCH")
     os.environ["SOURCE_DATE_EPOCH"] = when
     try:
@@ -76,7 +76,7 @@ def at(when):
 
 
 def normalise(archive, when):
-    """Write a source archive anew: sorted, of nobody, of one time; setuptools keeps the builder's."""
+    """Rewrite a source archive: sorted, without owner, with one time; setuptools keeps the builder's."""
     with tarfile.open(archive) as file:
         members = sorted(file.getmembers(), key=lambda member: member.name)
         contents = [file.extractfile(member).read() if member.isfile() else None for member in members]
@@ -93,7 +93,7 @@ def normalise(archive, when):
 
 
 def check_same(wheel, archive, folder):
-    """A second build, elsewhere and with another mask, gives the same bytes."""
+    """Check that a second build in another place with another mask gives the same bytes."""
     mask = os.umask(0o077)
     try:
         again = build(folder)
@@ -114,7 +114,7 @@ def lowest(version):
 
 
 def use(folder, python, what, constraints=()):
-    """Install in a new environment, and use it from an empty folder."""
+    """Install in a new environment, and use the package from an empty folder."""
     run(python, "-m", "venv", folder)
     place = folder / "work"
     place.mkdir()

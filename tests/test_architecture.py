@@ -1,4 +1,4 @@
-"""Which package may import which: the floors of the house, from the ground up."""
+"""Which package may import which: the floors, from the lowest up."""
 
 import ast
 import importlib

@@ -66,7 +66,7 @@ def test_mass_constants():
 
 @pytest.mark.parametrize("pivot", [0.0, 0.25, 1.0])
 def test_a_rigid_plate_has_the_moments_of_a_rod_about_its_pivot(pivot):
-    """Huygens and Steiner: those about the middle, and of the whole mass there."""
+    """Parallel axis theorem."""
     section = beam.modes(hawkmoth("wing.modes=0", f"wing.pivot={pivot}").wing)
     arm = 0.02 * (0.5 - pivot)
     assert section.first_moment == pytest.approx(40e-6 * arm, rel=1e-14, abs=1e-25)

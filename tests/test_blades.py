@@ -1,4 +1,4 @@
-"""Blade elements that bend: identities of their frame, added mass and attached flow, and exact theory of plates."""
+"""Flexible blade elements: identities of their frame, added mass and attached flow, and exact theory of plates."""
 
 import math
 
@@ -26,7 +26,7 @@ TAPERED = "wing.span=[[0, 0.05], [0.5, 0.06], [1, 0]]"
 
 
 def film(case):
-    """Frames of a case, and its elements as they stand at the end: rows of octets laid out along the chord."""
+    """Frames of a case, and its elements at the end, as rows along the chord."""
     frames, marched = march(case)
     laid = view(marched.groups["flow"].element)[0].reshape(elements.ROWS, -1)[:, : case.dbet.elements]
     return frames, marched, laid
@@ -84,7 +84,7 @@ def test_added_mass_of_pitch_and_of_the_modes_of_a_cantilever():
 
 
 def test_the_operator_of_attached_flow():
-    """Means over the chord of its load, and moments of that, against thin-aerofoil theory."""
+    """Means and moments of its load over the chord compared with thin-aerofoil theory."""
     count = 200
     case = hawkmoth("solver=dbet", f"dbet.elements={count}")
     x = (np.arange(count) + 0.5) / count
@@ -105,7 +105,7 @@ def test_the_lag_is_wagners():
 
 
 def gained(*settings):
-    """Work of the fluid on a wing over its last beat as a share of the gross work: added mass alone."""
+    """Work of the fluid on a wing over its last beat relative to the gross work, with added mass alone."""
     case = hawkmoth("solver=dbet", *NO_BLADES, "wing.damping_ratio=0.3", "time.periods=6", *settings)
     frames, marched = march(case)
     told = {"step": frames.step, "q": frames.q, "force": frames.force, "modal_force": frames.modal_force}
@@ -146,7 +146,7 @@ def test_the_modal_force_is_the_work_of_the_elements(settings):
 
 
 def test_stream_and_wing_may_turn_together():
-    """The forces in wing axes of a wing that bends, beats and pitches are the same when all is turned by an angle."""
+    """Forces in wing axes do not change if stream and motion are rotated by an angle."""
     turn, speed = 30.0, 4.0
     cosine, sine = np.cos(np.radians(turn)), np.sin(np.radians(turn))
     beating = (*SHORT, "wing.modes=3", "motion.plunge.phase_deg=90.0")

@@ -1,4 +1,4 @@
-"""Case files: what is accepted, and one clear message for everything that is not."""
+"""Case files: valid ones are accepted, and invalid ones get one clear message."""
 
 import tomllib
 
@@ -290,7 +290,7 @@ def test_shipped_cases_are_plausible():
 
 @pytest.mark.parametrize("name", ["fluid", "dbet", "uvlm", "navier_stokes", "time", "output"])
 def test_a_section_that_is_left_out_is_an_empty_one(name):
-    """It is made without a check, which its defaults must not need."""
+    """Defaults are not validated, so they must be valid."""
     section = Case.model_fields[name].annotation
     assert section.model_construct() == section()
     assert section.model_construct().model_dump() == section().model_dump()

@@ -1,4 +1,4 @@
-"""Every shipped case runs and gives its number; the hawkmoth's are the ones that its physics asks for."""
+"""Every shipped case runs and gives its number."""
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def test_the_plunging_foils_lift_is_theodorsens():
 
 
 def test_the_plate_that_pitches_up_lifts_as_the_viscous_computation_says():
-    """Lift and drag coefficients of Eldredge's vortex particles, read off at five times, until the vortex is shed."""
+    """Lift and drag coefficients of Eldredge's vortex particles at five times, until the vortex is shed."""
     result = simulated("pitch_up")
     at = np.array([1.5, 2.0, 2.5, 3.0, 3.5])
     lift, drag = (np.interp(at, result.time, 2.0 * force) for force in (result.force_z, result.force_y))
@@ -74,7 +74,7 @@ def test_the_plate_that_pitches_up_lifts_as_the_viscous_computation_says():
 
 
 def test_the_hovering_plate_has_its_coefficients():
-    """Those of this model: in two dimensions the lift is 40 % above that of viscous computations."""
+    """Values of this model: the lift is 40 % above that of viscous computations."""
     result = simulated("hovering_plate")
     pressure = 0.5 * (2.0 * np.pi * 0.25 * 1.4) ** 2
     settled = slice(400, None)
@@ -87,7 +87,7 @@ def test_the_hovering_plate_has_its_coefficients():
 
 
 def test_a_table_of_a_stroke_is_as_good_as_its_formula():
-    """41 points of the waves that the case's comment names."""
+    """41 points of the waveforms in the comment of the case."""
     table = simulated("tabulated_stroke")
     document = table.case.to_dict()
     document["motion"] = {
@@ -140,7 +140,7 @@ def accurate(*settings):
 
 
 def test_a_few_hundred_vortices_do_for_the_whole_wake_when_the_old_are_absorbed():
-    """Beats 4 to 9, before the whole wake grows unsteady of itself; and what was left out is estimated."""
+    """Beats 4 to 9, before the whole wake becomes unsteady; the neglected part is estimated."""
     cases = [
         accurate("uvlm.wake=all"),
         accurate("uvlm.wake=600"),

@@ -1,4 +1,4 @@
-"""The commands as a user runs them: output, exit codes, quiet, light."""
+"""The commands as a user runs them: output, exit codes, --quiet, imports."""
 
 import json
 import os
@@ -218,7 +218,7 @@ def test_help_loads_nothing_heavy():
 
 
 def test_help_answers_at_once():
-    """A bound on processor time, which a busy machine stretches less than wall time."""
+    """A bound on processor time, which depends less on the load than wall time."""
     unmeasured = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE")}
     before = os.times()
     run("--help", env=unmeasured)

@@ -1,4 +1,4 @@
-"""Sweeps on Dask: a real scheduler and two worker processes, one of which dies in the middle."""
+"""Sweeps on Dask: a real scheduler and two worker processes, one of which dies during the sweep."""
 
 import contextlib
 import json
@@ -94,7 +94,7 @@ def test_an_address_that_nobody_answers_is_a_sentence_and_harms_nothing(address,
 
 
 def speak(listening, words):
-    """Answer everybody who connects with some words."""
+    """Answer every connection with some text."""
     with contextlib.ExitStack() as callers, contextlib.suppress(OSError):
         while True:
             caller = callers.enter_context(listening.accept()[0])

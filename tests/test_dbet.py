@@ -69,7 +69,7 @@ def test_rigid_added_mass_is_its_closed_form():
 
 
 def ring_down(*settings):
-    """Frames of a wing let go from a bent shape in fluid at rest, blades without drag."""
+    """Frames of a wing released from a bent shape in fluid at rest, blades without drag."""
     case = hawkmoth(
         "solver=dbet", *PAPERS_BLADES, "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=0.0",
         "dbet.lift_max=0.0", "dbet.drag_min=0.0", "dbet.drag_max=0.0", "wing.damping_ratio=0.0",

@@ -1,4 +1,4 @@
-"""The bits of two short runs, kept as digests: a change of any of them is seen, wanted or not."""
+"""Digests of two short runs: any change of a bit fails the test, intended or not."""
 
 import hashlib
 import platform
@@ -26,7 +26,7 @@ instance by git bisect with this test. A new NumPy, SciPy or Taichi may move the
 
 
 def processor():
-    """The family of processors, whose arithmetic and libraries are one: vendor and family number."""
+    """Vendor and family of the processor; arithmetic and libraries are the same within a family."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:

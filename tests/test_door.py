@@ -1,4 +1,4 @@
-"""Every door of the viewer is tried by somebody who should not come in, or who sends what no page would."""
+"""Access to the viewer: unauthorised clients and invalid messages are refused."""
 
 import contextlib
 import gzip
@@ -64,7 +64,7 @@ def served(viewer):
 
 @pytest.fixture(scope="module", params=["result", "map", "live"])
 def viewer(request, folder):
-    """One of each kind: the door is the same, whatever it is before."""
+    """One viewer of each kind; access control is the same for all."""
     if request.param == "map":
         made = MapViewer(folder / "map.h5", port=18480)
     elif request.param == "result":
@@ -92,7 +92,7 @@ def get(viewer, path, **headers):
 
 
 def page(viewer, path=None, protocol=PROTOCOL, **options):
-    """A websocket, as a page opens it."""
+    """A websocket as opened by a page."""
     path = viewer.door.path if path is None else path
     address = f"ws://127.0.0.1:{viewer.port}{path}"
     return connect(address, subprotocols=[protocol], max_size=None, proxy=None, **options)
@@ -131,7 +131,7 @@ def test_with_the_token_there_is_the_page_alone(viewer):
 
 @pytest.mark.parametrize("host", ["evil.example", "evil.example:18480", "localhost.evil.example", "[", "", "10.1.2.3"])
 def test_another_name_for_this_machine_is_refused(viewer, host):
-    """DNS rebinding: the name is the stranger's, the address this machine's."""
+    """DNS rebinding: another host's name with this machine's address."""
     assert get(viewer, viewer.door.path, Host=host)[0] == 403
 
 
@@ -203,7 +203,7 @@ def test_a_viser_that_opens_its_port_in_another_way_does_not_start(folder, monke
 
 
 def test_no_page_opens_a_tunnel_to_the_outside(viewer, monkeypatch):
-    """No process starts and no name is looked up; the session's guard watches the sockets besides."""
+    """No process is started and no name looked up; the audit of sockets covers connections."""
     asked = []
     events = {"subprocess.Popen", "os.fork", "os.posix_spawn", "socket.getaddrinfo", "socket.gethostbyname"}
     watching = threading.Event()
@@ -415,7 +415,7 @@ def test_the_command_prints_its_token_and_no_token_does_without(folder):
 
 
 def begin(complete, path):
-    """A run's file as it is while the run is under way: of a complete one, without its end."""
+    """The file of an unfinished run, made from a complete one."""
     shutil.copy(complete, path)
     with h5py.File(path, "r+") as file:
         rewrite(file, "status", "running")
@@ -423,13 +423,13 @@ def begin(complete, path):
 
 
 def say_hello(one):
-    """What a page says first, and then waits for the server to have heard it."""
+    """Send the first messages of a page, and wait until the server has processed them."""
     one.send(msgspec.msgpack.encode(CAMERA))
     one.ping().wait(30)
 
 
 def heard(one, word):
-    """What a page is sent, up to a message with this word in it."""
+    """Messages to a page, up to one that contains this word."""
     end = time.monotonic() + 30.0
     while time.monotonic() < end:
         data = one.recv(timeout=30)

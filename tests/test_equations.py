@@ -1,4 +1,4 @@
-"""The index of equations: complete, and as the docstrings say today."""
+"""The index of equations is complete and agrees with the docstrings."""
 
 import runpy
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The exact solutions against tabulated values and independent formulas."""
+"""The exact solutions compared with tabulated values and independent formulas."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Every example runs, reduced, and gives its number."""
+"""Every example runs, with reduced settings, and gives its number."""
 
 import contextlib
 import io
@@ -133,5 +133,5 @@ def test_the_notebook_gives_the_outputs_that_it_shows(tmp_path, monkeypatch):
 
 
 def words(page):
-    """The texts of a page: its picture's places are right to round-off alone."""
+    """The text of a page without coordinates, which are exact only to round-off."""
     return re.findall(r">([^<>]+)<", page)

@@ -1,4 +1,4 @@
-"""Explore: keys as controls, a worker that many browsers share, and a page that follows its sliders."""
+"""Explore: keys as controls, a process shared by many browsers, and a page that follows its sliders."""
 
 import contextlib
 import math
@@ -70,7 +70,7 @@ def test_an_explored_case_has_a_few_beats_and_its_settings_lead_back_to_it():
 
 
 class Browser:
-    """What a browser hears from the worker."""
+    """Answers of the worker to a browser."""
 
     def __init__(self, shared):
         self.heard, self.shared = {}, shared
@@ -140,7 +140,7 @@ def test_a_long_run_is_shown_as_it_is_computed_and_lets_others_go_first():
 
 @contextlib.contextmanager
 def explored(folder, count):
-    """An explorer, and the sessions of so many pages."""
+    """An explorer with the sessions of several pages."""
     (folder / "case.toml").write_text(hawkmoth(*SMALL).to_toml())
     explorer = Explorer(folder / "case.toml", ["wing.modes=1"], threads=1, port=18800)
     try:
@@ -160,7 +160,7 @@ def explored(folder, count):
 
 
 def settled(one):
-    """Wait until a session shows what it asked for, computed to its end."""
+    """Wait until a session shows the completed result of its request."""
     until(lambda: one.run.case == one.case.resolved() and not one.run.live and not one._wishes)
 
 

@@ -40,7 +40,7 @@ def mapped(sheet):
 
 
 def spot_of(page, session, across, up):
-    """Where on the page a place of a map's picture is."""
+    """Position on the page of a point of a map's picture."""
     seen, canvas = session.client.camera, page.locator("canvas").first.bounding_box()
     scale = canvas["height"] / (2 * np.tan(seen.fov / 2) * -seen.position[1])
     x, z = across * WIDTH - seen.look_at[0], up * HEIGHT - seen.look_at[2]
@@ -192,7 +192,7 @@ def served(folder):
 
 
 class QuietHandler(http.server.SimpleHTTPRequestHandler):
-    """Files, and no word about it."""
+    """Serves files without log messages."""
 
     def log_message(self, *_):
         pass

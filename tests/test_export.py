@@ -1,4 +1,4 @@
-"""Exports: what is in them is what is in the result, and they open where they are meant to."""
+"""Exports contain the data of the result, and open in other programs."""
 
 import re
 import shutil
@@ -23,7 +23,7 @@ from taichiflap.results.variables import VARIABLES
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with a result of each model, and one of a run that has been cut short in three ways."""
+    """A folder with a result of each model, and one of a run that was interrupted in three ways."""
     folder = tmp_path_factory.mktemp("exports")
     settings = ("time.periods=3", "time.steps_per_period=100", "uvlm.panels=20", "wing.modes=2")
     taichiflap.simulate(hawkmoth(*settings), folder / "lattice.h5").close()
@@ -152,7 +152,7 @@ def test_a_dark_film_has_the_dark_theme(lattice):
 
 
 def test_a_running_file_exports_what_it_holds(lattice, tmp_path):
-    """Under its later name, and no more frames than there are."""
+    """It has its final name, and only the existing frames."""
     running = tmp_path / "run.h5.part"
     shutil.copy(lattice.path, running)
     with h5py.File(running, "r+") as file:

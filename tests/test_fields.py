@@ -1,4 +1,4 @@
-"""`output.every` thins the fields alone: what a run says of its beats does not depend on what it stores."""
+"""`output.every` affects only the fields: statistics do not depend on it."""
 
 import contextlib
 

@@ -1,4 +1,4 @@
-"""The flow behind a wing on a plain grid: positions, vorticity and velocity against what is known exactly."""
+"""The flow behind a wing on a uniform grid: positions, vorticity and velocity compared with exact values."""
 
 import base64
 import json
@@ -175,7 +175,7 @@ def test_holes_take_the_value_of_their_neighbours_and_lines_are_even():
 
 
 def test_films_figures_and_pages_show_the_vorticity(moth, tmp_path):
-    """Its colours are in the picture where the file has it, and the ground elsewhere."""
+    """The picture shows the colours of the file's vorticity, and the background elsewhere."""
     film = Film(moth, 1, 100, 25, theme=palette.DARK)
     assert film.keyed
     assert not film.dotted

@@ -1,4 +1,4 @@
-"""A fluid model from elsewhere: the one of the examples, against theory, and what is said of one that is none."""
+"""An external fluid model: the example compared with theory, and errors for invalid models."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A few of the refused writes that `make crash-test` tries one by one; in a process of its own, since it forks."""
+"""A few of the failed writes of `make crash-test`, in a separate process, since it forks."""
 
 import subprocess
 import sys

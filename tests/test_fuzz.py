@@ -1,4 +1,4 @@
-"""A few of the inputs that `make fuzz` tries thousands of, and hostile files made by hand."""
+"""A few of the inputs of `make fuzz`, and hostile files made by hand."""
 
 import random
 import re
@@ -116,7 +116,7 @@ def test_a_map_of_impossible_size_is_refused(tmp_path, good):
 
 
 def test_no_reader_needs_the_heap_of_texts(tmp_path, good):
-    """HDF5 itself goes round in circles for ever where that heap is damaged."""
+    """HDF5 loops endlessly if that heap is damaged."""
     for whole in good:
         data = bytearray(whole)
         heaps = [found.start() for found in re.finditer(b"GCOL", whole)]

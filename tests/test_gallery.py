@@ -1,4 +1,4 @@
-"""The gallery has every case file, and the numbers that it says are those that the case gives."""
+"""The gallery contains every case file, with the numbers that the case gives."""
 
 import runpy
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Gusts: what kernels see against the formula, a gust that has passed against a stream, and exact theory."""
+"""Gusts: kernels compared with the formula, a uniform gust with a stream, and exact theory."""
 
 import numpy as np
 import pytest

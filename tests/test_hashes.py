@@ -1,4 +1,4 @@
-"""The archives' hashes belong to the versions that the tests passed with."""
+"""The hashes of the archives belong to the tested versions."""
 
 import re
 from importlib import metadata

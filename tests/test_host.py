@@ -1,4 +1,4 @@
-"""taichiflap inside a program that has Taichi, threads or processes of its own: it works, or says why not."""
+"""taichiflap inside a program with its own Taichi, threads or processes: it works, or states why not."""
 
 import subprocess
 import sys
@@ -46,7 +46,7 @@ def refusal(*arguments):
 
 
 def play(script):
-    """Run a script in a process of its own."""
+    """Run a script in a separate process."""
     code = BEGIN + textwrap.dedent(script)
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=100, check=False, cwd=ROOT

@@ -1,4 +1,4 @@
-"""A fluid model behind its interface: what it declares is stored, and nothing outside asks which one it is."""
+"""A fluid model behind its interface: its outputs are stored, and no other code asks which model it is."""
 
 import ast
 import re
@@ -211,7 +211,7 @@ def test_what_does_not_compile_is_told_with_file_and_line(wrong, line, said, tmp
 
 
 def test_the_lattices_flow_is_that_of_its_vortices():
-    """Of a cosine lattice too, whose vortices stand elsewhere on their panels than at a quarter."""
+    """Also for a cosine lattice, whose vortices are not at the quarter of their panels."""
     for spacing in ("uniform", "cosine"):
         case = hawkmoth("time.periods=1", "uvlm.panels=8", f"uvlm.spacing={spacing}", "fluid.velocity=[0.5, -0.2]")
         result = taichiflap.simulate(case)
@@ -237,7 +237,7 @@ ASKED = re.compile(r"\bsolver\s*(==|!=|in\b)")
 
 
 def test_nothing_outside_a_fluid_model_asks_which_one_it_is():
-    """No comparison with a solver's name, and no look into a model's table, outside the models themselves."""
+    """No comparison with a solver's name, and no access to a model's table, outside the models."""
     found = []
     for folder in ("taichiflap", "viewer"):
         for file in sorted((ROOT / folder).rglob("*.py")):

@@ -1,4 +1,4 @@
-"""A leading edge that sheds: identities, closed forms of a plate that starts, and an independent march."""
+"""A leading edge that sheds: identities, closed forms of a starting plate, and an independent march."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ PLATE = (
 
 
 def broadside(step, *settings):
-    """A plate of unit chord that a stream of unit speed meets broadside from t = 0 on, for two chords of travel."""
+    """A plate of unit chord normal to a stream of unit speed from t = 0 on, for two chords of travel."""
     steps = round(2.0 / step)
     return hawkmoth(
         *PLATE, "fluid.velocity=[0.0, 1.0]", "uvlm.suction_limit=0.0", "uvlm.panels=40",
@@ -128,7 +128,7 @@ def test_a_plate_broadside_sheds_alike_at_both_edges():
 
 @pytest.mark.slow
 def test_a_plate_that_starts_broadside():
-    """Circulation and force against the prototype's converged values; the early growth against Brown and Michael's."""
+    """Circulation and force compared with converged values of a prototype; early growth with Brown and Michael."""
     frames, _ = march(broadside(0.005, "uvlm.core=0.02", "uvlm.core_growth=0.1"))
     at = np.rint(np.array([0.1, 0.5, 1.0, 2.0]) / 0.005).astype(int)
     np.testing.assert_allclose(np.abs(frames.leading_edge_circulation[at]), [1.18, 2.19, 3.03, 4.35], rtol=0.01)
@@ -157,7 +157,7 @@ def test_the_force_is_the_rate_of_impulse_of_both_sheets():
 
 @pytest.mark.slow
 def test_bits_do_not_depend_on_company_threads_or_an_interruption():
-    """Through a merging and an absorbing wake, beside an attached case."""
+    """With a merging and an absorbing wake, in a batch with an attached case."""
     case = hawkmoth(*SHORT, "wing.modes=2", "uvlm.merge_error=1e-2", "uvlm.wake=60", "uvlm.old_wake=absorb")
     attached = hawkmoth(*SHORT, "uvlm.leading_edge=attached", "wing.modes=1", "uvlm.panels=9")
     alone, _ = march(case)

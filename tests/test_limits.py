@@ -1,4 +1,4 @@
-"""What the models are not good for is said: energy left over, a tip or a force of no wing, a stream from behind."""
+"""Warnings outside the models' validity: unaccounted energy, deflection, force, a stream from behind."""
 
 from types import SimpleNamespace
 
@@ -61,7 +61,7 @@ def test_the_energy_of_a_rigid_wing_closes_by_itself():
 
 @pytest.mark.slow
 def test_a_run_that_leaves_energy_over_says_so_and_how_to_cure_it():
-    """A soft wing in sixteen steps a beat; with twice the steps, as the warning asks for, less is left over."""
+    """A soft wing with sixteen steps per beat; with twice as many, the unaccounted energy is smaller."""
     soft = (
         "wing.modes=3", "wing.youngs_modulus=3e9", "motion.pitch.amplitude_deg=30.0", "uvlm.panels=10", "uvlm.wake=all",
         "time.periods=4", "time.steps_per_period=16",
@@ -97,7 +97,7 @@ def test_a_force_of_no_flow_is_named():
 
 
 def test_blades_give_the_force_coefficient_that_they_are_given():
-    """A plate moved broadside at a steady speed has the drag coefficient across the chord, added mass or not."""
+    """A plate that moves normal to its chord at constant speed has the normal drag coefficient."""
     document = hawkmoth("solver=dbet", "wing.modes=0", "dbet.drag_max=3.0", "dbet.attached=false").to_dict()
     document["motion"] = {"plunge": {"kind": "table", "points": [[0.0, 0.0], [0.1, 0.1], [0.2, 0.2], [1.0, 1.0]]}}
     document |= {"time": {"duration": 1.0, "step": 0.01}}
@@ -128,7 +128,7 @@ def test_a_stroke_that_sweeps_through_a_slow_stream_is_not_warned_of():
 
 @pytest.mark.parametrize("solver", ["dbet", "uvlm"])
 def test_a_stroke_with_the_trailing_edge_ahead_is_warned_of(solver):
-    """A wrong sign of the measured or prescribed pitch, which no force tells."""
+    """A wrong sign of the measured or prescribed pitch, which the forces do not show."""
     (sign,) = warnings(hawkmoth(f"solver={solver}", "motion.pitch.phase_deg=180.0"))
     assert "the trailing edge leads during 100 % of the beat; check the sign and the phase of motion.pitch" in sign
     assert not warnings(hawkmoth(f"solver={solver}"))
@@ -186,7 +186,7 @@ def test_a_map_over_the_chord_goes_by_each_cases_own():
 
 @pytest.mark.slow
 def test_twice_the_steps_are_advised_where_they_help():
-    """Against the whole run at twice the steps: of a step too long, and of a wing too soft for any."""
+    """Compared with a whole run at twice the steps: for too long a step, and for a wing that always diverges."""
     rigid = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=1")
     assert finer_helps(rigid, 5) is True
     soft = hawkmoth(

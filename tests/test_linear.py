@@ -1,4 +1,4 @@
-"""Dense solves inside kernels, against LAPACK."""
+"""Dense linear solves inside kernels compared with LAPACK."""
 
 import numpy as np
 import pytest

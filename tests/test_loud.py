@@ -1,4 +1,4 @@
-"""What was loud and wrong: no traceback, and nothing lost, where a case, a map or a name is unusual."""
+"""Unusual cases, maps and names cause no traceback and no loss of data."""
 
 import csv
 import sys

@@ -1,4 +1,4 @@
-"""The coupled march: energy, stability, limits, any number of modes, the same bits in any company."""
+"""The coupled march: energy, stability, limits, any number of modes, the same bits in any batch."""
 
 import resource
 import subprocess
@@ -41,7 +41,7 @@ def test_a_stiffer_and_stiffer_wing_becomes_rigid(solver):
 
 
 def energy_residual(solver, steps, *more):
-    """Share of the energy that is unaccounted for over the last of two beats of an undamped-by-nothing wing."""
+    """Unaccounted fraction of the energy over the second of two beats."""
     case = hawkmoth(
         f"solver={solver}", "wing.modes=2", "time.periods=2", f"time.steps_per_period={steps}", "uvlm.panels=20",
         "uvlm.core=0.02", "wing.damping_ratio=[0.05, 0.2]", *more,
@@ -96,7 +96,7 @@ def test_stable_at_any_mass_ratio(solver, steps):
 
 
 def several_cases():
-    """Cases that differ in everything that a batch may mix."""
+    """Cases that differ in all respects that a batch allows."""
     common = ("time.periods=1", "time.steps_per_period=60", "uvlm.core=0.02")
     return [
         hawkmoth(*common, f"uvlm.panels={panels}", f"uvlm.wake={wake}", f"wing.modes={modes}", *more)
@@ -176,7 +176,7 @@ def test_a_batch_of_eight_keeps_two_threads_busy():
 
 
 def test_arrays_of_octets_are_given_back():
-    """Taichi would keep every one of them, and a study grow by megabytes."""
+    """Taichi would keep all of them, and the memory of a study would grow."""
 
     def taken():
         return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()

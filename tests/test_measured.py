@@ -1,4 +1,4 @@
-"""Measured flapping angles: the path that they make, whatever they are counted from; and angles that cannot be."""
+"""Measured flapping angles: their path for every definition of the angles, and invalid angles."""
 
 import numpy as np
 import pytest
@@ -67,7 +67,7 @@ def test_without_deviation_it_is_plunge_and_pitch_bit_for_bit():
 @pytest.mark.parametrize("solver", ["dbet", "uvlm"])
 @pytest.mark.parametrize("plane", [35.0, -90.0])
 def test_another_stroke_plane_turns_the_forces(solver, plane):
-    """The same angles against a plane that leans forward: what was up leans forward, and what was forward down."""
+    """The same angles relative to a stroke plane that is inclined forward."""
     flat = case_of(rows_of()).override(f"solver={solver}", "uvlm.panels=10", "uvlm.core=0.2", "time.periods=1")
     steep = flat.override(f"motion.measured.stroke_plane_deg={plane}")
     with taichiflap.simulate(flat) as one, taichiflap.simulate(steep) as other:

@@ -131,7 +131,7 @@ def test_two_beats_are_too_few_to_call_settled():
 
 
 def test_drift_and_spread_of_few_beats():
-    """Of two beats the line through both is their difference, and half of it their deviation; of one there is none."""
+    """Two beats have a trend and a deviation; one beat has neither."""
     case = hawkmoth("time.periods=2")
     two = synthetic(case, force_y=lambda t: 3.0 * beat(t), force_z=lambda t: 7.0 + 4.0 * beat(t))
     beats = whole_beats(case, two.time)
@@ -267,7 +267,7 @@ def test_peak_and_its_time_after_reversal():
 
 @pytest.mark.parametrize("frequency", [25.0, 30.0, 33.3, 110.0, 235.7])
 def test_a_peak_at_the_end_of_the_last_beat_is_at_time_0(frequency):
-    """And a hair before it too: round-off decides where the frame lies."""
+    """Also just before it, where round-off decides the position of the frame."""
     case = hawkmoth(f"motion.frequency={frequency}", "time.periods=7", "time.steps_per_period=21")
     made = synthetic(case)
     made.tip_deflection[-1] = 1.0
@@ -282,7 +282,7 @@ def test_reversal_of_the_papers_stroke_is_at_0_and_a_half(beats, after):
 
 
 def test_reversals_a_few_steps_apart_are_told_apart():
-    """However few steps a beat has, and however long a run without one."""
+    """For any number of steps per beat, and any length of a non-periodic run."""
     quick = hawkmoth("time.steps_per_period=20", "motion.plunge.harmonics=[[25, 0.02, 5.0]]")
     points = [[0.0, 0.0], [49.9, 0.1], [50.0, 0.1], [50.05, 0.099], [50.1, 0.1], [50.2, 0.1], [100.0, 0.2]]
     document = hawkmoth().to_dict() | {"time": {"duration": 100.0, "step": 0.001}}
@@ -500,7 +500,7 @@ def test_metrics_that_a_case_cannot_have_are_not_offered(settings, lacking, havi
 
 
 def test_what_is_defined_nowhere_in_a_summary_is_not_offered_and_the_rest_is():
-    """Every metric that is offered has a value in some run of the case, and none that is not."""
+    """Every offered metric has a value in some run of the case, and no other has."""
     for settings in ((), ("fluid.velocity=[1.0, 0.5]",), ("fluid.density=0.0",)):
         case = hawkmoth("time.periods=4", *settings)
         made = synthetic(case, **dict.fromkeys(("power", "force_y", "force_z", "tip_deflection"), np.cos))

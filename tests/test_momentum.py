@@ -1,4 +1,4 @@
-"""Loads of the lattice against the momentum of its flow, which knows nothing of pressure."""
+"""Loads of the lattice compared with the momentum of its flow, which is independent of pressure."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_force_and_moment_are_the_rate_of_impulse(modes):
 
 
 def test_means_agree_in_the_limit_of_small_steps():
-    """Extrapolated from two steps, little is left of the gap, which is of first order."""
+    """The difference is of first order; extrapolated from two steps it nearly vanishes."""
     gaps = []
     for steps in (200, 400):
         found, first, last = second_half(steps)
@@ -44,7 +44,7 @@ def test_means_agree_in_the_limit_of_small_steps():
 
 
 def test_whole_panels_miss_the_momentum_of_a_bent_wing():
-    """The paper's Eq. 33 leaves out what the bound vortices add along a bent wing: no finer step makes up for it."""
+    """The paper's Eq. 33 neglects the velocity of the bound vortices along a bent wing; the error does not converge."""
     ours, whole = (second_half(200, f"uvlm.loads={loads}") for loads in ("vortices", "panels"))
     finer = second_half(400, "uvlm.loads=panels")
     assert whole[0].error(*whole[1:])[1] > 4.0 * ours[0].error(*ours[1:])[1]
@@ -52,7 +52,7 @@ def test_whole_panels_miss_the_momentum_of_a_bent_wing():
 
 
 def test_a_wing_without_suction_lacks_just_that():
-    """A rigid wing's flow does not know of the suction: all that it changes is the force along the chord."""
+    """The suction does not change the flow of a rigid wing, only the force along the chord."""
     rigid = "wing.modes=0", "motion.pitch.amplitude_deg=0.0"
     (without, first, last), (full, *_) = (
         second_half(200, *rigid, f"uvlm.suction={value}") for value in ("false", "true")

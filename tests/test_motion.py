@@ -194,7 +194,7 @@ def test_the_papers_stroke_starts_at_reversal_with_the_chord_upright():
 
 @pytest.mark.parametrize("solver", ["uvlm", "dbet"])
 def test_a_wing_that_moves_through_still_air_feels_what_it_feels_in_a_stream(solver):
-    """Galileo's invariance, with the wing bent, pitching and shedding."""
+    """Galilean invariance, with a bent, pitching and shedding wing."""
     document = hawkmoth(f"solver={solver}", "uvlm.panels=12", "wing.modes=2").to_dict()
     document["motion"] = {"frequency": 25.0, "pitch": {"amplitude_deg": 15.0, "mean_deg": 50.0}}
     document["time"] = {"duration": 0.06, "step": 4e-4}

@@ -1,4 +1,4 @@
-"""The tree against the sum over all pairs, and long wakes against short ones."""
+"""The tree compared with the sum over all pairs, and long wakes with short ones."""
 
 import numpy as np
 import pytest

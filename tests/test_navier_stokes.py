@@ -1,4 +1,4 @@
-"""The Navier-Stokes model: its steps against an oracle in NumPy, and what is known exactly of such a flow."""
+"""The Navier-Stokes model: its steps compared with an oracle in NumPy, and exact properties of such flows."""
 
 import math
 
@@ -152,7 +152,7 @@ def marching_modes(count):
 
 
 def test_added_mass_of_the_modes_is_that_of_a_thin_plate():
-    """At rest, all digits, whatever the thickness: the response at the start, of four modes."""
+    """The response of four modes at the start is exact to round-off, for any thickness."""
     march = marching(case("wing.modes=4", "navier_stokes.cells=128"))
     march.advance(1)
     wing = march.sections[0]
@@ -230,7 +230,7 @@ def test_force_is_the_rate_of_the_impulse(stream):
     time = step * field[:, None]
 
     def wind(place):
-        """The gust at places of each frame, 1/s, and its curl."""
+        """The gust at points of each frame, and its curl, 1/s."""
         aside, along = 1e-4, np.exp(1j * np.angle(carried)) if carried else 1.0
         found = [
             np.array([gust_velocity(fluid, t, y, z) for t, y, z in zip(time[:, 0], at.real, at.imag, strict=True)])
@@ -271,7 +271,7 @@ STILL = ("motion.plunge={amplitude=0.0}", "motion.pitch={amplitude_deg=0.0}")
 
 
 def test_wet_frequency_is_that_of_a_thin_plate():
-    """Of a wing that rings in a fluid at rest, as the viscosity vanishes."""
+    """For a wing that vibrates freely in a fluid at rest, as the viscosity vanishes."""
     ringing = case(
         *STILL,
         "wing.modes=1",
@@ -294,7 +294,7 @@ def test_wet_frequency_is_that_of_a_thin_plate():
 
 @pytest.mark.parametrize("ratio", [10.0, 20.0])
 def test_a_light_wing_is_stable_without_iteration(ratio):
-    """The fluid that moves with the wing weighs ten and twenty times the wing, in a stroke of a tenth."""
+    """The added mass is ten and twenty times the mass of the wing, with a tenth of the stroke."""
     dense = ratio * 4.0 * 40e-6 / (math.pi * 0.05 * 0.02**2)
     march = marching(
         case("wing.modes=1", f"fluid.density={dense}", "motion.plunge={amplitude=0.002,phase_deg=90}",
@@ -369,7 +369,7 @@ def test_steps_frames_and_start_up_of_its_own():
 
 
 def test_a_stored_frame_is_a_field_in_space():
-    """Positions and vorticity of a bent section's grid from what the file holds; on a plain grid, in either frame."""
+    """Positions and vorticity of a bent section's grid from the file; on a uniform grid, in either frame."""
     with taichiflap.simulate(case("wing.modes=1", "motion.start_up_periods=1.0", "output.every=100")) as result:
         field = Field.of(result, -1)
         node = np.asarray(result.node_position[-1])

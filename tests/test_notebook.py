@@ -1,4 +1,4 @@
-"""How results, cases and maps look in a notebook: their own numbers, in HTML that is well formed."""
+"""Results, cases and maps in a notebook: their numbers, in well-formed HTML."""
 
 import re
 from xml.etree import ElementTree

@@ -1,4 +1,4 @@
-"""Which way up pictures are: the stream to the right, lift up, and nothing mirrored."""
+"""Orientation of pictures: the stream to the right, lift up, and nothing mirrored."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the README and the documentation tell people to type: it works, and prints what they say."""
+"""Commands and code in the README and the documentation work, and print the stated output."""
 
 import re
 import runpy
@@ -37,7 +37,7 @@ def commands(text):
 
 
 def agree(shown, printed):
-    """Whether two lines say the same; numbers to 3 %, spreads and timings whatever they are."""
+    """Whether two lines agree: numbers within 3 %; spreads and timings are ignored."""
     shown, printed = shown.split(), printed.split()
     if len(shown) != len(printed):
         return False
@@ -126,7 +126,7 @@ def test_commands_have_the_options_that_the_pages_give_them(page):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """What the pages suppose to be there: cases, results and a map."""
+    """A folder with the files that the pages use: cases, results and a map."""
     folder = tmp_path_factory.mktemp("pages")
     shutil.copytree(CASES, folder / "cases")
     short = hawkmoth("time.periods=3", "uvlm.panels=8", "uvlm.wake=40")

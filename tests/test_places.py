@@ -1,4 +1,4 @@
-"""Odd places to work in: homes, users, limits, names, signals. Exit codes are right; what goes wrong is a sentence."""
+"""Unusual environments: homes, users, limits, names, signals. Exit codes are right, and errors are one sentence."""
 
 import contextlib
 import os
@@ -55,7 +55,7 @@ def run(words, folder, prepare=None, **environment):
 
 
 def clean(text):
-    """Without what libraries say of a home that they cannot use."""
+    """Output without the messages of libraries about an unusable home folder."""
     ours = ("error: ", "warning: ", "interrupted", "continue with")
     return [line for line in text.splitlines() if line.startswith(ours) or "Traceback" in line]
 

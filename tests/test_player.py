@@ -1,4 +1,4 @@
-"""The page that plays a result: its numbers, its manners, and its play in a real browser with the network off."""
+"""The offline page of a result: its numbers, its safety, and playback in a real browser without a network."""
 
 import base64
 import getpass
@@ -30,7 +30,7 @@ TITLE = '<b>"$title" & </script>'
 
 @pytest.fixture(scope="module")
 def lattice(tmp_path_factory):
-    """A result of UVLM, in a file, with a title that a careless page would take for its own words."""
+    """A UVLM result in a file, with a title that contains HTML."""
     case = hawkmoth("time.periods=3", "time.steps_per_period=100", "uvlm.panels=20", f"title='{TITLE}'")
     return taichiflap.simulate(case, tmp_path_factory.mktemp("pages") / "lattice.h5")
 
@@ -48,7 +48,7 @@ def embedded(path):
 
 
 def unpacked(packed):
-    """Numbers of a page, and the error that their steps allow."""
+    """Numbers of a page, and their quantisation error."""
     whole = np.frombuffer(base64.b64decode(packed["data"]), "<i2")
     return packed["offset"] + packed["scale"] * whole, 0.501 * packed["scale"]
 
@@ -142,7 +142,7 @@ PIXELS = """([x, y]) => {
 
 
 def wait_until(page, condition):
-    """Wait for a condition on the page, asked from outside: the page itself allows no evaluation of strings."""
+    """Wait for a condition on the page, evaluated from outside, since the page forbids evaluation of strings."""
     for _ in range(500):
         if page.evaluate(condition):
             return

@@ -1,4 +1,4 @@
-"""Figures: they show the file's numbers, say what they show with units, and every colour keeps its promise."""
+"""Figures show the file's numbers, with labels and units, and their colours are distinguishable."""
 
 import dataclasses
 import re
@@ -35,13 +35,13 @@ def lattice(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def blades(tmp_path_factory):
-    """A result of DBET, in a file, with a title that would be mathematics to matplotlib."""
+    """A DBET result in a file, with a title that matplotlib could read as mathematics."""
     case = taichiflap.load_case(CASES / "hawkmoth_dbet.toml", ("time.periods=2", 'title="a $x$ wing"'))
     return taichiflap.simulate(case, tmp_path_factory.mktemp("plots") / "blades.h5")
 
 
 def texts(figure):
-    """All text that is seen in a figure, drawn; an axis also holds ticks beyond its ends, which are not."""
+    """All visible text of a drawn figure, without ticks beyond the ends of an axis."""
     FigureCanvasAgg(figure).draw()
     beyond = [
         tick.label1

@@ -1,4 +1,4 @@
-"""Points of a tabulated motion from files, and the ways to count time."""
+"""Points of a tabulated motion from files, and its units of time."""
 
 import numpy as np
 import pytest
@@ -118,7 +118,7 @@ def test_time_is_counted_one_way(motion, time, phrase):
 
 @pytest.mark.parametrize("panels", [10, 40])
 def test_an_automatic_step_spaces_the_wake_like_the_panels(panels):
-    """In a stream alone the trailing edge's speed is the stream's, and the vortices lie a panel apart."""
+    """In a stream the speed of the trailing edge is the stream's, and vortices are a panel apart."""
     document = hawkmoth("wing.modes=0").to_dict() | {"fluid": {"density": 1.0, "velocity": [3.0, 0.0]}}
     document |= {"motion": {"pitch": {"mean_deg": -0.01}}, "time": {"duration": 0.02, "step": "auto"}}
     document["uvlm"] = {"panels": panels}

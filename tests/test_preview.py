@@ -1,4 +1,4 @@
-"""The picture of a case before it is run: it shows the motion that the march will follow."""
+"""The preview of a case shows the motion of the march."""
 
 import subprocess
 import sys

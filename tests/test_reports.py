@@ -1,4 +1,4 @@
-"""The reports among the documentation are those that the commands write now: their rows, verdicts, and numbers.
+"""The reports in the documentation agree with those that the commands write: rows, verdicts, and numbers.
 
 `make reports` writes them again. Numbers are compared where that is cheap.
 """

@@ -1,4 +1,4 @@
-"""The paper reproduced on reduced settings: numbers, files, and a report without traces of where it was made."""
+"""The reproduction with reduced settings: numbers, files, and a report without traces of the machine."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The result file: other people's readers, streaming, crashes, and refusals in one sentence."""
+"""The result file: other readers, streaming, crashes, and errors in one sentence."""
 
 import contextlib
 import os
@@ -133,7 +133,7 @@ def test_in_memory_and_on_disk_are_the_same(uvlm_file):
     ],
 )
 def test_a_result_in_memory_is_its_file(tmp_path, settings):
-    """All that can be asked of a result, in memory, saved from there, and written by the run."""
+    """All properties of a result in memory, saved from memory, and written by the run."""
     case = hawkmoth(*settings)
     in_memory = taichiflap.simulate(case)
     in_memory.save(tmp_path / "saved.h5")
@@ -393,7 +393,7 @@ def test_a_resumed_run_is_the_uninterrupted_one_bit_for_bit(tmp_path, monkeypatc
 
 
 def interrupted(case, path):
-    """What an interrupted run leaves."""
+    """The files of an interrupted run."""
 
     def interrupt(done, total):
         raise KeyboardInterrupt
@@ -441,7 +441,7 @@ def test_a_lost_or_damaged_checkpoint_costs_time_alone(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def stopped(tmp_path_factory):
-    """Runs of both models that were interrupted, and how they end."""
+    """Interrupted runs of both models, and their completed results."""
     folder = tmp_path_factory.mktemp("stopped")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blocks, "BLOCK_STEPS", 100)
@@ -545,7 +545,7 @@ def test_the_numbers_of_a_file_that_is_written_are_nan_until_they_are_known(tmp_
 
 @pytest.mark.slow
 def test_kills_at_random_moments_lose_nothing():
-    """A few of what `make crash-test` does a hundred times; in a process of its own, since it forks."""
+    """A few kills of `make crash-test`, in a separate process, since it forks."""
     command = [sys.executable, str(CASES.parent / "tests" / "crash.py"), "5", "20201122"]
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr

@@ -1,4 +1,4 @@
-"""Scores: words, windows and sentences on values that are known, and one asserted error a regime."""
+"""Scores: ratings, windows and sentences for known values, and one asserted error per regime."""
 
 import math
 
@@ -66,7 +66,7 @@ def test_quantities_of_known_waves():
 
 
 def test_coefficients_of_a_plate_in_a_stream():
-    """C_L = 2 pi sin(alpha) of a steady plate, whatever its chord, span and speed."""
+    """C_L = 2 pi sin(alpha) of a steady plate, for any chord, span and speed."""
     case = parse_case({
         "solver": "uvlm",
         "wing": {"chord": 0.2, "span": 0.3, "modes": 0, "thickness": 1e-3, "density": 1000.0, "youngs_modulus": 1e9},
@@ -121,7 +121,7 @@ def test_a_figure_of_each_regime_errs_as_the_page_says(name, tier, quantity, err
 
 
 def test_onset_of_flutter_of_oscillations_that_grow_as_told():
-    """Growth is proportional to the distance from the onset, of 2; far from it there is none."""
+    """With a growth rate proportional to the distance from the onset, at 2; far from it there is no onset."""
 
     def measured(speeds):
         traces = [trace(tip=np.exp(0.1 * (u - 2.0) * TIMES) * np.cos(10 * np.pi * TIMES)) for u in speeds]
@@ -264,7 +264,7 @@ def test_a_models_own_trace_compares_without_a_difference_whatever_its_units_and
 
 
 def test_a_trace_has_one_shift_for_all_quantities_and_models(tmp_path):
-    """The sum of squares over all of them is least there; a force that repeats twice a beat takes the smaller shift."""
+    """The shift minimises the sum of squares over all; a force with two periods per beat gets the smaller shift."""
     case = hawkmoth("solver=dbet", "wing.modes=0", "time.periods=4")
     at = np.arange(80) / 80
     waves = 2e-3 * (1.0 + np.cos(4 * np.pi * (at - 0.1))), 1e-6 * np.cos(2 * np.pi * at)
@@ -430,7 +430,7 @@ def test_a_comparison_names_the_settings_that_are_the_cases_own(tmp_path):
 
 @pytest.mark.parametrize("angle", RAMPS)
 def test_a_published_ramp_keeps_what_its_series_resolves(angle):
-    """A coefficient that has the series itself is kept, what is faster than the series is not."""
+    """Components of the series are kept, faster ones are not."""
     ramp = RAMPS[angle]
     for name in ("C_L", "C_D"):
         exact = ramp.published(name, ramp.times)

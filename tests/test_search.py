@@ -1,4 +1,4 @@
-"""Convergence and optimum: rules that a known function obeys, and real cases that are never run twice."""
+"""Convergence and optimisation: known functions, and real cases, none of which is run twice."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ SHORT = ("solver=dbet", "time.periods=2", "time.steps_per_period=40", "dbet.elem
 
 
 def pretend(monkeypatch, metrics):
-    """Runs nothing: a case's metrics are what `metrics` gives for it. Returns the list of cases asked for."""
+    """Replace runs by the function `metrics` of a case. Returns the list of requested cases."""
     asked = []
 
     def compute(cases, *_):
@@ -72,7 +72,7 @@ def test_a_condition_is_one_comparison(text):
 
 
 def bowl(case):
-    """Least where the modulus is 2e10 Pa and the pitch 20 degrees."""
+    """A function with its minimum at a modulus of 2e10 Pa and a pitch of 20 degrees."""
     off = np.log10(case.wing.youngs_modulus / 2e10) ** 2 + (case.motion.pitch.amplitude_deg / 20 - 1) ** 2
     return {"power_mean": 1.0 + off, "force_vertical_mean": case.motion.pitch.amplitude_deg}
 
@@ -160,7 +160,7 @@ def test_a_search_that_cannot_be_is_refused(more, sentence):
 
 
 def second_order(case):
-    """Errors that fall with the square of the elements and of the step, and are alike for the modes."""
+    """Errors of second order in the elements and in the step, and independent of the modes."""
     error = (8 / case.dbet.elements) ** 2 + 0.5 * (40 / case.time.steps_per_period) ** 2
     return {"force_vertical_mean": 1.0 + 0.04 * error, "power_mean": 2.0, "tip_peak_mean": 0.0}
 
@@ -209,7 +209,7 @@ def test_convergence_of_what_is_not_defined_is_refused(monkeypatch):
 
 
 def test_a_mean_force_that_cancels_out_is_no_scale_for_its_own_changes(monkeypatch):
-    """Round-off of the mean lift of a symmetrical stroke is not refined away: the peak force is the scale."""
+    """The mean lift of a symmetrical stroke is round-off; the scale of its changes is the peak force."""
     noise = np.random.default_rng(5)
     steady = {"power_mean": 2.0, "tip_peak_mean": 0.0, "force_normal_peak_mean": 1.0, "thrust_mean": 0.1}
     pretend(monkeypatch, lambda _: steady | {"lift_mean": 1e-6 * noise.standard_normal()})
@@ -267,7 +267,7 @@ def test_steps_in_seconds_cannot_be_refined():
 
 
 def test_convergence_starts_from_an_automatic_step(monkeypatch):
-    """As a viscous flow has it, and with it the cells around the section."""
+    """As in a viscous flow, and with it the cells around the section."""
     viscous = hawkmoth("solver=navier_stokes", "fluid.viscosity=4e-4", "time.periods=2", "time.steps_per_period=auto")
     asked = pretend(monkeypatch, lambda case: {"force_vertical_mean": 1.0 + (case.navier_stokes.cells < 200)})
     found = converge(viscous, 0.01)

@@ -1,4 +1,4 @@
-"""That the watch on all tests' sockets (see `conftest`) sees what it is there for."""
+"""The audit of sockets in all tests (see `conftest`) detects connections."""
 
 import os
 import socket

@@ -1,4 +1,4 @@
-"""Standard output and error that cannot take what is written: the work is done, and no traceback tells of it."""
+"""Standard output and error that cannot be written to: the work is done, without a traceback."""
 
 import io
 import os
@@ -24,7 +24,7 @@ def result(tmp_path_factory):
 
 
 def shell(line, **environment):
-    """A command line in a shell; `taichiflap` in it is this one."""
+    """Run a command line in a shell, with this version of `taichiflap`."""
     line = line.replace("taichiflap", f"{sys.executable} -m taichiflap")
     return subprocess.run(
         ["bash", "-c", line], capture_output=True, timeout=60, check=False, cwd=ROOT, env=os.environ | environment

@@ -1,4 +1,4 @@
-"""Files from strangers: what they name is not opened, what they would import is not run, what they say is printable."""
+"""Untrusted files: files that they name are not opened, modules not imported, and text is made printable."""
 
 import contextlib
 import os
@@ -41,7 +41,7 @@ sys.addaudithook(_watch)
 
 @contextlib.contextmanager
 def watched():
-    """What Python opens, imports or starts meanwhile."""
+    """Context that records what Python opens, imports or starts."""
     global watching  # noqa: PLW0603 - a hook of the interpreter stays
     opened.clear()
     watching = True
@@ -63,7 +63,7 @@ def good(tmp_path_factory):
 
 
 def doctored(good, name, folder, **attributes):
-    """A copy of a good file with other texts in it."""
+    """A copy of a valid file with other texts."""
     path = folder / name
     path.write_bytes(good[name])
     with h5py.File(path, "r+") as file:
@@ -73,7 +73,7 @@ def doctored(good, name, folder, **attributes):
 
 
 def with_table(place):
-    """A change to a case's text: its plunge is a table in another file."""
+    """A case text whose plunge is a table in another file."""
 
     def change(text):
         table = f'[motion.plunge]\nkind = "table"\nperiodic = true\nfile = "{place}"\n'
@@ -99,7 +99,7 @@ def test_no_other_file_is_opened(name, place, good, tmp_path):
 
 
 def test_a_value_of_a_map_opens_no_file(good, tmp_path):
-    """Values of a map are TOML, and may be whole tables."""
+    """Values of a map are TOML and may be tables."""
     path = tmp_path / "map.h5"
     (tmp_path / "beside.csv").write_text("0 0\n0.2 1\n0.4 0\n1 0\n")
     path.write_bytes(good["map.h5"])

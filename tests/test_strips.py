@@ -1,4 +1,4 @@
-"""A wing in strips: one is its section, many are the integral over the span."""
+"""A wing in strips: one strip is its section, many approximate the integral over the span."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def test_one_strip_is_the_section_at_its_middle_bit_for_bit():
 
 @pytest.mark.parametrize("wing", ["even", "measured"])
 def test_strips_that_move_alike_are_the_whole_section(wing):
-    """Of a pure pitch the radius does not matter: however many strips, their sum is the section."""
+    """In pure pitch the radius does not matter: the sum of any number of strips is the section."""
     case = hawkmoth("solver=dbet", *SHORT, "motion.plunge.amplitude=0.0", "motion.pitch.amplitude_deg=30")
     if wing == "measured":
         document = case.to_dict()
@@ -41,7 +41,7 @@ def test_strips_that_move_alike_are_the_whole_section(wing):
 
 
 def test_forces_go_with_the_square_of_the_radius_and_their_sum_with_its_mean_square():
-    """A plate that slides at a steady angle of attack, without added mass: quasi-steady, so exact."""
+    """A plate at a constant angle of attack without added mass: quasi-steady, so exact."""
     case = hawkmoth("solver=dbet", *SHORT, "wing.modes=0", "dbet.added_mass=false", "motion.pitch.amplitude_deg=0.0",
                     "motion.pitch.mean_deg=30", "motion.plunge.harmonics=[[3, 0.001, 20.0]]")  # fmt: skip
     found = study.strips(case, 8, at=0.5)

@@ -1,4 +1,4 @@
-"""Designs and sweeps: the points that they should hold, the same bits as single runs, and what survives a crash."""
+"""Designs and sweeps: their points, the same bits as single runs, and survival of crashes."""
 
 import os
 import subprocess
@@ -292,7 +292,7 @@ def test_only_what_is_missing_runs_again(case, tmp_path, monkeypatch):
 
 
 def test_a_sweep_that_is_killed_loses_no_finished_batch(tmp_path):
-    """Killed for real, at whatever it was doing, then finished by the same command."""
+    """The process is killed at a random moment, and the same command completes the sweep."""
     settings = ["--set=time.periods=1", "--set=uvlm.panels=20", "--threads=1"]
     command = [sys.executable, "-c", KILLED.format(batch=5), "sweep", str(CASES / "hawkmoth.toml"), *settings]
     command += ["--vary", "wing.youngs_modulus=1e10:2e10:30", "-o", "map.h5"]
@@ -368,7 +368,7 @@ def test_two_studies_do_not_write_one_map(case, tmp_path):
 
 
 def test_a_map_has_its_name_when_it_is_laid_out_and_not_before(case, tmp_path, monkeypatch):
-    """A crash in between would leave what no command can read."""
+    """A crash in between would leave an unreadable file."""
     planned = design(case, {"wing.modes": "0,1"})
 
     def crash(file, *_):

@@ -1,4 +1,4 @@
-"""Tables of motion as people have them: read right, warned of, or refused; and what is made of their points."""
+"""Tables of motion in many formats are read, warned of or rejected; and the curves through their points."""
 
 import numpy as np
 import pytest
@@ -209,7 +209,7 @@ def test_sharp_waves_are_not_taken_for_noise():
 
 @pytest.mark.parametrize("key", ["smooth", "smooth_error_deg"])
 def test_a_smoothed_table_of_harmonics_is_these_harmonics(key, tmp_path):
-    """Of exact points the curve is exact, with its derivatives; of noisy ones, as near as the noise."""
+    """For exact points the curve and its derivatives are exact; for noisy ones the error is that of the noise."""
 
     def beat(t):
         return 5.0 + 20 * np.sin(2 * np.pi * t + 0.3) + 4 * np.sin(6 * np.pi * t - 1.0)

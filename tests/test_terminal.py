@@ -1,4 +1,4 @@
-"""What the commands show a user who watches: bars on a terminal, searches line by line, a word of advice at Ctrl-C."""
+"""Output on a terminal: progress bars, lines of searches, and advice at Ctrl-C."""
 
 import contextlib
 import os
@@ -24,7 +24,7 @@ SHORT = ["--set=time.periods=2", "--set=time.steps_per_period=40", "--set=dbet.e
 
 
 def on_terminal(*arguments, cwd):
-    """Run a command whose stderr is a terminal; what it printed, and what the terminal was shown, steering left out."""
+    """Run a command whose stderr is a terminal; returns its output, and the terminal's text without control codes."""
     ours, its = pty.openpty()
     command = [sys.executable, "-m", "taichiflap", *arguments]
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "120"}

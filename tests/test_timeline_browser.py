@@ -107,7 +107,7 @@ def test_charts_move_with_the_scene(serve, look):
 
 
 def test_the_charts_axes_have_numbers(serve, look):
-    """They are missing where the page has laid a chart out before it knew its width; a theme draws all anew."""
+    """They would be missing if the page laid out a chart before its width was known; a theme redraws all."""
     viewer = serve("uvlm")
     page = look(viewer.address)
     numbered = f"() => {CHARTS}.length === 4 && {CHARTS}.every(c => c.axes.every(a => (a._values || []).length > 1))"

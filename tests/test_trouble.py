@@ -1,4 +1,4 @@
-"""When the disk, the folder or the case itself is trouble: one sentence, and nothing lost; and nothing told."""
+"""Problems with the disk, the folder or the case give one sentence; no data are lost, and no private data stored."""
 
 import contextlib
 import os
@@ -34,7 +34,7 @@ def whole(tmp_path_factory):
 
 @contextlib.contextmanager
 def no_room(size=1024):
-    """No file may grow, nor be written, past `size`: what a full disk is to a program."""
+    """No file may grow beyond `size`, as on a full disk."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:
@@ -45,7 +45,7 @@ def no_room(size=1024):
 
 @contextlib.contextmanager
 def forbidden_folder():
-    """A folder that may be read but not written, in the eyes of root too."""
+    """A folder that can be read but not written, even by root."""
     folder = Path(tempfile.mkdtemp(dir="/tmp"))
     folder.chmod(0o555)
     root = os.geteuid() == 0
@@ -149,7 +149,7 @@ def test_extreme_cases_end_well_or_say_why_not(solver, settings, statuses):
 
 
 def told(data):
-    """What a file tells of the machine that made it."""
+    """Text in a file that describes the machine that wrote it."""
     private = {str(Path.home()), socket.gethostname(), tempfile.gettempdir(), str(Path(__file__).parent)}
     return {text for text in private if len(text) > 3 and text.encode() in data}
 

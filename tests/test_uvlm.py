@@ -1,4 +1,4 @@
-"""Vortex lattice: exact steady circulation, Kelvin's theorem, an independent march, the wake's ring."""
+"""Vortex lattice: exact steady circulation, Kelvin's theorem, an independent march, the ring buffer of the wake."""
 
 from types import SimpleNamespace
 
@@ -75,7 +75,7 @@ def test_matches_an_independent_march(settings):
 
 
 def plate(alpha_deg, panels, *settings):
-    """A still plate at an angle in a stream, the new vortex so far behind that the flow is steady at once."""
+    """A fixed plate at an angle in a stream; the new vortex is so far behind that the flow is steady at once."""
     speed = 4.0
     alpha = np.radians(alpha_deg)
     case = hawkmoth(
@@ -259,7 +259,7 @@ def make_room_once(wakes: wake.Wake, y: ti.f64, z: ti.f64):
 
 
 def absorbing(rng, count, *settings):
-    """A full ring of random vortices of both signs, turned so that its oldest is in the middle of the array."""
+    """A full ring of random vortices of both signs, rotated so that the oldest is in the middle of the array."""
     case = hawkmoth(f"uvlm.wake={count}", "uvlm.old_wake=absorb", "wing.chord=1.0", "uvlm.absorb_beyond=0.0", *settings)
     wakes = wake.allocate([case])
     vortices = np.zeros((5, count))
@@ -292,7 +292,7 @@ def test_absorbing_keeps_circulation_and_impulse(rng, count):
 
 
 def test_vortices_that_cancel_are_not_thrown_far(rng):
-    """Opposite neighbours of nearly no sum: their centroid is far outside."""
+    """Opposite neighbours whose sum nearly vanishes: their centroid is far outside."""
     wakes, _ = absorbing(rng, 6)
     vortices = numpy_view(wakes.vortex)
     vortices[0, :3, :6] = np.array([[0, 1, 2, 3, 4, 5], [0, 0.1, 0, 0.1, 0, 0.1], [1, -1, 1, -1 - 1e-9, 1, -1]], float)
@@ -323,7 +323,7 @@ def test_what_is_dropped_is_estimated_by_the_velocity_it_induced(rng):
 
 @pytest.mark.parametrize(("crossing", "sign"), [("reflect", -1.0), ("pass", 1.0)])
 def test_a_vortex_that_meets_the_wing(crossing, sign):
-    """One that stood below the wing now stands above it."""
+    """One that was below the wing is now above it."""
     case = hawkmoth(
         "wing.modes=0", "motion.plunge.phase_deg=0.0", "motion.pitch.amplitude_deg=0.0", "time.periods=1",
         f"uvlm.crossing={crossing}", *ACCURATE, "uvlm.core=0.5",

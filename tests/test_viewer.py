@@ -1,4 +1,4 @@
-"""The viewer without a browser: frames, playback, colours, comparison, flow, and what it says when it cannot start."""
+"""The viewer without a browser: frames, playback, colours, comparison, flow, and errors at the start."""
 
 import os
 import shutil
@@ -191,7 +191,7 @@ def test_bound_vortices_stand_where_the_lattice_has_them(spacing):
 
 
 def test_a_table_that_starts_up_is_not_drawn_beyond_its_end(tmp_path):
-    """Past its last point a spline goes anywhere: what is drawn comes from the file."""
+    """A spline is meaningless beyond its last point; the drawn motion comes from the file."""
     table = {"kind": "table", "points": [[0.0, 0.0], [0.01, 0.002], [0.02, 0.015], [0.03, 0.02], [0.04, 0.03]]}
     motion = {"plunge": table, "pitch": {"kind": "ramp", "start": 0.0, "ramp": 0.02, "amplitude_deg": 30.0,
               "smoothing": 500.0}, "start_up": 0.03}  # fmt: skip
@@ -263,7 +263,7 @@ def test_a_growing_run_tells_how_far_it_is_and_how_long_it_takes(run, monkeypatc
 
 
 def test_a_half_written_block_is_not_shown(tmp_path, run):
-    """The frames that count are those of which every variable is there."""
+    """Only frames with all variables count."""
     result = run.result
     writer = _begun(run, tmp_path / "run.h5")
     writer.append(_block(result, 0, 100))
@@ -320,7 +320,7 @@ def test_a_file_that_cannot_be_shown_gets_one_sentence_and_code_2(folder, tmp_pa
 
 
 def test_the_rotation_lock_says_so_where_viser_has_changed():
-    """The one private name of viser that is used: a version without it loses the lock, and nothing else."""
+    """The lock uses a private name of viser; a version without it has no lock, but works otherwise."""
     assert hasattr(viser._messages, "RunJavascriptMessage")
 
     class Client:
@@ -330,7 +330,7 @@ def test_the_rotation_lock_says_so_where_viser_has_changed():
 
 
 def test_a_frame_is_one_message_a_node_and_drawn_once_for_all(folder, monkeypatch):
-    """Guards the private way past viser's handles, on which the cost of many browsers rests."""
+    """Tests the use of private parts of viser, which makes many browsers cheap."""
     viewer = Viewer([folder / "uvlm.h5"])
     try:
         run, layers, wakes = viewer.runs[0], opening(viewer.runs).layers, []
@@ -353,7 +353,7 @@ def test_a_frame_is_one_message_a_node_and_drawn_once_for_all(folder, monkeypatc
 
 
 def test_a_message_is_packed_as_viser_packs_it(folder):
-    """Guards the short cut past viser's own packing, for nodes of the scene and for charts."""
+    """Tests our packing of messages, for nodes of the scene and for charts."""
     viewer = Viewer([folder / "uvlm.h5"])
     try:
         gui, socket_server = viewer.server.gui, viewer.server._websock_server
@@ -384,7 +384,7 @@ def test_without_the_private_way_values_go_through_the_handle():
 
 
 def test_a_page_gets_its_controls_before_it_has_told_its_name(folder, monkeypatch):
-    """One round trip less before the page is complete, and nothing plays before it is."""
+    """This saves a round trip before the page is complete, and playback starts only then."""
     told = threading.Event()
     monkeypatch.setattr(app, "_browser", lambda client: told.wait(30.0) and "a name")
     viewer = Viewer([folder / "dbet.h5"])
@@ -441,7 +441,7 @@ def test_a_narrow_window_has_the_scene_above_the_controls(run):
 
 @pytest.fixture
 def command(tmp_path):
-    """Start commands that serve until they are interrupted; they are told of no browser to open."""
+    """Start commands that serve until they are interrupted, without opening a browser."""
     started = []
 
     def start(*arguments):
@@ -508,7 +508,7 @@ def test_view_says_which_port_it_takes_and_what_differs(folder, command):
 
 @pytest.mark.slow
 def test_a_run_that_fails_keeps_its_viewer(command):
-    """Its frames until the failure can be looked at; the exit code comes when the viewer is closed."""
+    """Its frames until the failure are shown; the exit code follows when the viewer is closed."""
     spinning = ("wing.youngs_modulus=1.0", "motion.pitch.amplitude_deg=360.0", "motion.frequency=100.0")
     settings = [part for one in (*spinning, "fluid.density=0.0", "time.periods=60") for part in ("--set", one)]
     process = command("simulate", CASES / "hawkmoth_dbet.toml", *settings, "--view")

@@ -187,7 +187,7 @@ AT_REST = """async () => {
 
 
 def test_the_view_pans_and_zooms_but_does_not_turn(serve, look):
-    """Guards the private way in which rotation is locked."""
+    """Tests the private parts of viser that lock the rotation."""
     viewer = serve("uvlm")
     page = look(viewer.address)
     stop(page)

@@ -1,4 +1,4 @@
-"""What the viewer shows of a map is what the file holds, and every place of the picture belongs to the right case."""
+"""The viewer shows the values of the map file, and every point of the picture belongs to the right case."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ METRICS = {"force_vertical_mean": Variable((), "N", "lift"), "power_mean": Varia
 
 
 def sheet_of(path, sample=None, fail=()):
-    """A map whose lift is the number of the case in mN, and whose power falls with it."""
+    """A map whose lift is the number of the case in mN, and whose power decreases with it."""
     vary = KEYS if sample is None else {"wing.youngs_modulus": "5e9:60e9:log", "solver": "dbet,uvlm"}
     case = hawkmoth()
     sheet = maps.create(path, case, design(case, vary, sample), METRICS)
@@ -79,7 +79,7 @@ def test_a_scatter_has_every_case_at_its_place(sample):
 
 
 def test_each_kind_of_case_has_its_front_of_lift_against_power():
-    """Lift rises and power falls with a case's number, so that the last of each kind beats all others of it."""
+    """Lift increases and power decreases with the number of the case, so that the last of each kind dominates."""
     sheet = sheet_of(None, "sobol:32", fail=[7])
     for choice in (Choice("power_mean", "force_vertical_mean", "power_mean"),
                    Choice("force_vertical_mean", "power_mean", "power_mean")):  # fmt: skip

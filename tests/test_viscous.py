@@ -1,4 +1,4 @@
-"""The Navier-Stokes model against exact and published viscous flows, as the validation has them."""
+"""The Navier-Stokes model compared with exact and published viscous flows, as in the validation."""
 
 import numpy as np
 import pytest

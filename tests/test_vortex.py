@@ -1,4 +1,4 @@
-"""The velocity that vortices induce: an oracle, exact point-vortex solutions, invariants."""
+"""The velocity induced by vortices: an oracle, exact point-vortex solutions, invariants."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Studies shared out among processes: the same map, whatever becomes of the processes."""
+"""Studies in several processes give the same map, even if processes die."""
 
 import subprocess
 import sys
@@ -18,7 +18,7 @@ VARY = {"fluid.density": "1.0:1.4:6", "motion.pitch.amplitude_deg": "10:60:4"}
 
 @pytest.fixture
 def little(monkeypatch):
-    """Few cases are worth a process, and a batch holds but a few."""
+    """Start processes for few cases, and make small batches."""
     monkeypatch.setattr(workers, "SHARE", 5)
     monkeypatch.setattr("taichiflap.studies.batch.BATCH_WORK", 1.0)
     monkeypatch.setattr("taichiflap.studies.batch.SHARES", 2)
@@ -64,7 +64,7 @@ class Killed(workers.Worker):
 
 
 class Failing(workers.Worker):
-    """A process that is told what it cannot do."""
+    """A process that receives an invalid task."""
 
     def send(self, batch, metrics, keep_series):
         super().send(batch, [[]], keep_series)
@@ -106,7 +106,7 @@ print("done")
 
 @pytest.mark.slow
 def test_a_script_from_standard_input_needs_no_guard(tmp_path):
-    """Its processes import nothing of it."""
+    """Its processes do not import it."""
     path, file = tmp_path / "map.h5", str(CASES / "hawkmoth.toml")
     script = SCRIPT.format(root=str(CASES.parent), case=file, settings=SHORT, vary=VARY, path=str(path))
     ended = subprocess.run([sys.executable, "-"], input=script, capture_output=True, text=True, check=False)
