@@ -101,7 +101,7 @@ def array(group: Any, name: str, shape: tuple[int | None, ...], kinds: str, *, w
     Args:
         shape: expected shape; None for any length.
         kinds: NumPy kind letters that are allowed, such as "if"; "S" is text.
-        whole: whether it must be fully allocated and contiguous.
+        whole: whether it must be fully allocated: contiguous, or one chunk per entry of its first axis.
 
     Raises:
         DamageError: if it is invalid or stored outside the file.
@@ -120,13 +120,25 @@ def array(group: Any, name: str, shape: tuple[int | None, ...], kinds: str, *, w
     filters = [made.get_filter(i)[0] for i in range(made.get_nfilters())]
     if made.get_external_count() or dataset.is_virtual or any(one not in SAFE_FILTERS for one in filters):
         raise DamageError(f"{name} is not in the file itself")
-    if whole:
+    if whole and dataset.chunks:
+        _check_chunks(dataset, name)
+    elif whole:
         offset, size = dataset.id.get_offset(), int(dataset.nbytes)
         if size and (offset is None or offset + size > group.file.id.get_filesize()):
             raise DamageError(f"{name} is truncated")
     elif dataset.size > MOST_NUMBERS:
         raise DamageError(f"{name} is too large")
     return tuple(found)
+
+
+def _check_chunks(dataset: Any, name: str) -> None:
+    """Check that every entry of the first axis is a chunk of its own that lies within the file."""
+    if dataset.chunks != (1, *dataset.shape[1:]) or np.prod(dataset.chunks) > MOST_NUMBERS:
+        raise DamageError(f"{name} is not stored frame by frame")
+    ends: list[int] = []
+    dataset.id.chunk_iter(lambda one: ends.append(one.byte_offset + one.size))
+    if len(ends) != len(dataset) or max(ends, default=0) > dataset.file.id.get_filesize():
+        raise DamageError(f"{name} is truncated")
 
 
 @_in_words

@@ -1,7 +1,7 @@
 """Layout of a result file: everything has its full length from the start."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,6 +27,10 @@ from .variables import (
 
 WARNING_BYTES = 512
 """Space reserved for warnings that arise at the end of a run, bytes."""
+LARGE = 2**14
+"""Size of a frame, in bytes, from which on a field is compressed in a finished file."""
+LEVEL = 1
+"""Level of the compression; higher levels take twice the time for 5 %."""
 
 Sample = Mapping[str, np.ndarray]
 """Variables for any number of frames, including zero; defines the shape of a frame."""
@@ -64,6 +68,15 @@ def size(case: Case, sample: Sample, contents: Contents) -> int:
         items = 1 if ragged else int(np.prod(sample[name].shape[1:]))
         total += rows * items * np.dtype(one.dtype).itemsize
     return total
+
+
+def large(sample: Sample, contents: Contents) -> list[str]:
+    """Fields that are compressed in a finished file."""
+    return [
+        name
+        for name, one in plan(sample, contents).items()
+        if one.field and np.dtype(one.dtype).itemsize * np.prod(sample[name].shape[1:]) >= LARGE
+    ]
 
 
 def groups(plan: Mapping[str, Variable]) -> list[str]:
@@ -134,13 +147,15 @@ class Layout:
         section: the wing's modes.
         sample: the variables, see `Sample`.
         contents: arrays that the fluid model adds.
+        packed: fields to compress, a chunk per frame; their space is allocated when they are written.
     """
 
     def __init__(
         self, file: Any, case: Case, began: float, warnings: list[str], nodes: np.ndarray, section: Modes,
-        sample: Sample, contents: Contents,
+        sample: Sample, contents: Contents, packed: Sequence[str] = (),
     ) -> None:  # fmt: skip
         self._file = file
+        self._packed = packed
         self._every = case.output.every
         self._rows = rows(case)
         self._axes: dict[str, Any] = {}
@@ -170,7 +185,9 @@ class Layout:
 
     def _lay_out_variable(self, name: str, variable: Variable, shape: tuple[int, ...]) -> None:
         axes = variable.axes(self._every)
-        self._attach(_place(self._file, name, (self._rows[axes[0]], *shape), variable.dtype), variable)
+        whole = (self._rows[axes[0]], *shape)
+        place = _pack if name in self._packed else _place
+        self._attach(place(self._file, name, whole, variable.dtype), variable)
         if name not in VARIABLES:
             # Marks a variable of the fluid model for our reader.
             hdf.note(self._file[name], {AXES_OF: " ".join(axes)})
@@ -208,3 +225,10 @@ def _place(group: Any, name: str, shape: tuple[int, ...], kind: str, **fill: Any
     properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     fill = fill or {"fillvalue": 0 if kind.startswith("i") else np.nan}
     return group.create_dataset(name, shape, kind, dcpl=properties, **fill)
+
+
+def _pack(group: Any, name: str, shape: tuple[int, ...], kind: str) -> Any:
+    """A compressed dataset, a chunk per frame."""
+    return group.create_dataset(
+        name, shape, kind, chunks=(1, *shape[1:]), compression="gzip", compression_opts=LEVEL, shuffle=True
+    )

@@ -81,7 +81,7 @@ class Result:
             raise AttributeError(name)
         if name not in self.variables:
             raise AttributeError(f"this result has no variable {name!r}; it has {', '.join(self.variables)}")
-        return self._sound(name, self.file[name][: self._rows(name)])
+        return self._read(self.file[name], name, slice(self._rows(name)))
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.variables]
@@ -168,7 +168,7 @@ class Result:
     def field_time(self) -> np.ndarray:
         """Times of the frames, s; equal to `time` if every step stores its fields."""
         name = FIELD_TIME if FIELD_TIME in self.file else "time"
-        return self._sound(name, self.file[name][: self.frames])
+        return self._read(self.file[name], name, slice(self.frames))
 
     def _rows(self, name: str) -> int:
         return self.frames if self._is_field(name) else self._steps
@@ -190,11 +190,11 @@ class Result:
         """One frame of a variable, read alone; for a series the value at the frame's time."""
         index = range(self.frames)[index]
         row = index if self._is_field(name) else int(self.case.step_of(index))
-        return self._sound(name, self._dataset(name)[row])
+        return self._read(self._dataset(name), name, row)
 
     def between(self, name: str, first: int, last: int, stride: int = 1) -> np.ndarray:
         """Every `every`-th step of a series, or frame of a field, from `first` to `last`, both included."""
-        return self._sound(name, self._dataset(name)[first : min(last + 1, self._rows(name)) : stride])
+        return self._read(self._dataset(name), name, slice(first, min(last + 1, self._rows(name)), stride))
 
     @property
     def stations(self) -> np.ndarray:
@@ -229,7 +229,7 @@ class Result:
             self._ends[group] = np.cumsum(self.file[f"{group}/count"][: self.frames], dtype=np.int64)
         ends = self._ends[group]
         first, last = 0 if index == 0 else int(ends[index - 1]), int(ends[index])
-        return {name: self._sound(name, self._dataset(f"{group}/{name}")[first:last]) for name in names}
+        return {name: self._read(self._dataset(f"{group}/{name}"), name, slice(first, last)) for name in names}
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the result to a file, identical to that of `simulate(case, path)`.
@@ -262,11 +262,13 @@ class Result:
         vars(self).clear()
         vars(self).update(fresh)
 
-    def _sound(self, name: str, values: Any) -> Any:
+    def _read(self, dataset: Any, name: str, key: Any) -> Any:
         try:
-            return integrity.numbers(values, name)
+            return integrity.numbers(dataset[key], name)
         except DamageError as error:
             raise ResultError(f"{self.path}: damaged: {error}") from None
+        except OSError as error:
+            raise ResultError(f"{self.path}: damaged: {name}: {first_line(error)}") from None
 
     def _dataset(self, name: str) -> Any:
         if name not in self._open:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..case.case import Case
 from ..structure.beam import Modes
-from . import checkpoint, hdf, layout, ownership
+from . import checkpoint, hdf, layout, ownership, packing
 from .checkpoint import Checkpoint
 from .layout import Contents, Layout, Sample
 from .reader import Result, ResultError, first_line, open_result, part
@@ -57,6 +57,8 @@ class Writer(Recorder):
         self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
         self._draft: Path | None = None
         self._guard: hdf.Guarded | None = None
+        self._recipe: tuple[Any, ...] = ()
+        self._large: list[str] = []
         ownership.check(path, overwrite)
         self._lock = ownership.lock(path)
         try:
@@ -75,13 +77,15 @@ class Writer(Recorder):
         """
         contents = contents or Contents()
         self._plan = layout.plan(sample, contents)
+        self._recipe = self.case, self.began, self._warnings, nodes, section, sample, contents
+        self._large = layout.large(sample, contents)
         if self._file is not None:
             self._find_places()
             return
         try:
             self._guard = hdf.Guarded(self._reserve(layout.size(self.case, sample, contents)))
             self._file = hdf.create(self._guard)
-            Layout(self._file, self.case, self.began, self._warnings, nodes, section, sample, contents)
+            Layout(self._file, *self._recipe)
             self._file.flush()
             self._guard.check()
             self._publish()
@@ -174,7 +178,11 @@ class Writer(Recorder):
                 self._guard.check()
                 self._guard.close()
             self._raw.close()
-            ownership.move(part(self.path), self.path, self._overwrite)
+            if self._packed():
+                ownership.move(self._draft_name, self.path, self._overwrite)
+                part(self.path).unlink()
+            else:
+                ownership.move(part(self.path), self.path, self._overwrite)
             checkpoint.discard(self.path)
         except OSError as error:
             raise WriteError(f"{self.path}: cannot be written: {first_line(error)}") from None
@@ -193,6 +201,23 @@ class Writer(Recorder):
         self._discard_draft()
         self._lock.release()
 
+    def _packed(self) -> bool:
+        """Whether the finished file has been written again with its large fields compressed; not without space."""
+        if not self._large:
+            return False
+        self._draft = self._draft_name
+        try:
+            packing.pack(part(self.path), self._draft, self._recipe, self.names, self._large)
+        except (OSError, RuntimeError):
+            self._discard_draft()
+            return False
+        return True
+
+    @property
+    def _draft_name(self) -> Path:
+        """A file that nobody looks for yet."""
+        return self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+
     def _reserve(self, size: int) -> Path:
         """A draft with space for all data. HDF5 does not survive a file that it cannot close, so the free space is
         checked first.
@@ -201,7 +226,7 @@ class Writer(Recorder):
         if size > free:
             room = f"needs {_size(size)} but the disk has {_size(free)} free; increase output.every to make it smaller"
             raise ResultError(f"{self.path}: {room}")
-        self._draft = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        self._draft = self._draft_name
         with open(self._draft, "wb") as file:
             file.truncate(size)
         return self._draft

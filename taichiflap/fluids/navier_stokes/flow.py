@@ -14,7 +14,6 @@ from ...march.state import BEFORE, BETA
 from ...march.stream import carry_gust
 from ...structure.beam import Modes
 from ..interface import Flow
-from . import tables
 from .arrays import (
     CARRY,
     CORNER_COS,
@@ -36,19 +35,20 @@ from .arrays import (
     UNMAPPED,
     Arrays,
 )
+from .batch import allocate
+from .corners import place_corners, place_wall
+from .factors import eliminate_rho, solve_phi
+from .influence import invert_influence, lane, respond
 from .loads import load_modes, sum_forces
-from .mapping import find_map, place_corners, place_wall
+from .mapping import find_map
 from .poisson import transform_inwards, transform_outwards
 from .settings import settings
-from .transport import assemble, eliminate_rho, size, solve_phi
+from .transport import assemble, size
 from .wall import (
     feed_rows,
     hold_wall,
-    invert_influence,
-    lane,
     move_wall,
     pivot,
-    respond,
     settle_wall,
 )
 
@@ -58,6 +58,9 @@ FURTHEST = 0.6
 """Tip deflection, chords, that the map of a bent section is good to."""
 REFRESH = 25
 """Steps after which the influence matrix of a bending section is inverted anew."""
+
+LOST = 13
+"""Bits of a stored vorticity's mantissa, of 23, that are zero."""
 
 FRICTION_NORMAL, FRICTION_AXIAL, LARGEST_COURANT = range(3)
 """The series, as the model declares them."""
@@ -78,7 +81,7 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes], body: Any) -> Flow:
         ResolutionError: when the cells of a case cannot resolve its flow.
     """
     used = Uses(any(section.count for section in sections), any(case.fluid.gust != "none" for case in cases))
-    groups = {"flow": tables.allocate(cases, sections)}
+    groups = {"flow": allocate(cases, sections)}
 
     def reason(b: int, step: int) -> str:
         return unmapped(cases[b], sections[b], view(body.q)[b, BEFORE], step) if failed_map(b) else ""
@@ -208,6 +211,14 @@ def store_wall(flow: View, output: View, b, frame):
 
 
 @ti.func
+def rounded(x):
+    """A number of single precision with the last bits of its mantissa zero: within 2^-11, and half as long when
+    compressed."""
+    bits = ti.bit_cast(ti.cast(x, ti.f32), ti.i32)
+    return ti.bit_cast((bits + (1 << (LOST - 1))) & (-1 << LOST), ti.f32)
+
+
+@ti.func
 def store_fields(flow: View, output: View, b, frame, dt):
     """Vorticity and the map; and the Courant number."""
     octets = flow.size[b, OCTETS]
@@ -217,7 +228,7 @@ def store_fields(flow: View, output: View, b, frame, dt):
         for m in range(octets):
             w = flow.vorticity[b, j, m]
             for at in ti.static(range(8)):
-                output.vorticity[b, frame, j, 8 * m + at] = ti.cast(w[at], ti.f32)
+                output.vorticity[b, frame, j, 8 * m + at] = rounded(w[at])
             through = ti.max(size(flow.flux_rho[b, j, m]), size(flow.flux_rho[b, j + 1, m])) + size(
                 flow.flux_phi[b, j, m]
             )

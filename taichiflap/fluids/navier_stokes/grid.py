@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .fourier import Plan
+from .plan import Plan
 
 Array = NDArray[np.float64]
 

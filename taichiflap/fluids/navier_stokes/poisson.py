@@ -31,8 +31,9 @@ from .arrays import (
     THICKNESS,
     WALL_SPECTRA,
 )
-from .fourier import SLOTS
-from .transport import before, substitute
+from .factors import substitute
+from .plan import SLOTS
+from .transport import before
 
 
 @ti.func
