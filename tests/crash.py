@@ -23,7 +23,7 @@ import numpy as np
 import taichiflap
 from taichiflap.export.formats import FORMATS, export
 from taichiflap.plots.result import plot
-from taichiflap.results import checkpoint
+from taichiflap.results import checkpoint, layout
 from taichiflap.results.writer import Writer
 from taichiflap.run import blocks
 from taichiflap.studies import batch
@@ -35,8 +35,8 @@ FAST = ("csv", "vtkhdf", "html", "plots")
 
 
 def simulate(path):
-    """The run to kill: many blocks, and a checkpoint after each."""
-    blocks.BLOCK_STEPS, checkpoint.SECONDS = 30, 0.0
+    """The run to kill: many blocks, a checkpoint after each, and fields to compress at the end."""
+    blocks.BLOCK_STEPS, checkpoint.SECONDS, layout.LARGE = 30, 0.0, 64
     taichiflap.simulate(taichiflap.load_case(CASES / "hawkmoth.toml", SHORT), path, resume=True).close()
 
 

@@ -203,8 +203,8 @@ GUST = ("fluid.velocity=[1.0, 0.3]", "fluid.gust=sinusoidal", "fluid.gust_veloci
         "fluid.gust_arrival=0.004")  # fmt: skip
 
 
-@pytest.mark.parametrize("stream", [(), GUST])
-def test_force_is_the_rate_of_the_impulse(stream):
+@pytest.mark.parametrize(("stream", "most"), [((), 0.002), (GUST, 0.005)])
+def test_force_is_the_rate_of_the_impulse(stream, most):
     """Surface loads against -d/dt of the vorticity's first moment, while all of it is on the grid.
 
     In the frame of the stream. A gust `u` adds the force of the vorticity that it carries, `-w i u` of each cell, and
@@ -220,9 +220,13 @@ def test_force_is_the_rate_of_the_impulse(stream):
             *stream,
         )
     )
-    frames = march.advance(10**6)[0]
-    step, field = march.cases[0].step, frames["field_step"]
+    step, field = march.cases[0].step, np.arange(1600)
     grid, fluid = tables.Given.of(march.cases[0], march.sections[0]).grid, march.cases[0].fluid
+    # Frames are rounded.
+    force, vorticity = [], []
+    for _ in field:
+        force.append(march.advance(1)[0]["force"])
+        vorticity.append(rows_of(march, "vorticity", grid.rows).copy())
     moved = march.motion[0][field]
     pitch, rate = moved[:, PITCH, None], moved[:, PITCH_RATE, None]
     pivot, heave = 1j * moved[:, PLUNGE, None] / 0.02, 1j * moved[:, PLUNGE_RATE, None] / 0.02
@@ -241,7 +245,7 @@ def test_force_is_the_rate_of_the_impulse(stream):
 
     corner = grid.corner
     centre = 0.25 * (corner[1:] + corner[:-1] + np.roll(corner, 1, 1)[1:] + np.roll(corner, 1, 1)[:-1]).ravel()
-    content = (frames["vorticity"] * (grid.area * grid.drho[:, None] * grid.dphi)).reshape(len(field), -1)
+    content = (np.array(vorticity) * (grid.area * grid.drho[:, None] * grid.dphi)).reshape(len(field), -1)
     place = centre * np.exp(1j * pitch) + pivot
     # The fluid that the section displaces moves with it, and against the gust.
     node, weight = np.polynomial.legendre.leggauss(12)
@@ -261,10 +265,10 @@ def test_force_is_the_rate_of_the_impulse(stream):
     expected = above - (1j * wind(place)[0] * content).sum(axis=1)
     expected = expected - np.gradient(impulse - momentum, step * (field[1] - field[0]))
     load = 1.225 * 0.02**3 * 0.05
-    force = frames["force"][field]
+    force = np.concatenate(force)
     ours = (force[:, state.AXIAL] + 1j * force[:, state.NORMAL]) * np.exp(1j * pitch[:, 0]) / load
     off = np.abs(ours - expected)[5:-5]
-    assert np.sqrt(np.mean(off**2)) < 0.005 * np.sqrt(np.mean(np.abs(ours) ** 2))
+    assert np.sqrt(np.mean(off**2)) < most * np.sqrt(np.mean(np.abs(ours) ** 2))
 
 
 STILL = ("motion.plunge={amplitude=0.0}", "motion.pitch={amplitude_deg=0.0}")

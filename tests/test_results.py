@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -15,7 +16,7 @@ from conftest import CASES, hawkmoth
 
 import taichiflap
 from taichiflap.case.case import parse_case
-from taichiflap.results import checkpoint, reader
+from taichiflap.results import checkpoint, hdf, layout, packing, reader
 from taichiflap.results.variables import VARIABLES
 from taichiflap.run import blocks
 
@@ -161,6 +162,70 @@ def test_a_result_in_memory_is_its_file(tmp_path, settings):
             for name in mine:
                 np.testing.assert_array_equal(mine[name], theirs[name])
         assert in_memory.to_xarray().identical(saved.to_xarray())
+
+
+@pytest.fixture
+def packed(tmp_path, monkeypatch):
+    """The file of a finished run whose fields count as large, and one whose do not."""
+    case = hawkmoth("solver=dbet", "time.periods=1", "output.every=3")
+    taichiflap.simulate(case, tmp_path / "plain.h5").close()
+    monkeypatch.setattr(layout, "LARGE", 100)
+    taichiflap.simulate(case, tmp_path / "packed.h5").close()
+    return tmp_path / "packed.h5"
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_large_fields_of_a_finished_file_are_compressed_frame_by_frame(packed, engine):
+    with h5py.File(packed) as file:
+        assert file["pressure_jump"].chunks == (1, 50)
+        assert file["pressure_jump"].compression == "gzip"
+        assert file["force_y"].chunks is None
+    plain = packed.with_name("plain.h5")
+    assert_same(plain, packed)
+    assert sorted(one.name for one in packed.parent.iterdir()) == ["packed.h5", "plain.h5"]
+    with taichiflap.open_result(plain) as one, taichiflap.open_result(packed) as other:
+        assert other.to_xarray().drop_attrs().identical(one.to_xarray().drop_attrs())
+        assert other.attributes.keys() == one.attributes.keys()
+        np.testing.assert_array_equal(other.frame("pressure_jump", -1), one.frame("pressure_jump", -1))
+        other.save(packed.with_name("copy.h5"))
+    assert_same(plain, packed.with_name("copy.h5"))
+    with xarray.open_dataset(packed, engine=engine) as one, xarray.open_dataset(plain, engine=engine) as other:
+        assert one.drop_attrs().identical(other.drop_attrs())
+
+
+def test_without_space_for_the_compressed_file_the_plain_one_is_kept(packed, monkeypatch):
+    class Full(hdf.Guarded):
+        def write(self, data):
+            if self.tell() > 20_000:
+                self.error = self.error or OSError(28, "No space left on device")
+            return super().write(data)
+
+    with taichiflap.open_result(packed) as one:
+        case = one.case
+    monkeypatch.setattr(packing, "hdf", SimpleNamespace(Guarded=Full, create=hdf.create))
+    taichiflap.simulate(case, packed, overwrite=True).close()
+    assert_same(packed.with_name("plain.h5"), packed)
+    with h5py.File(packed) as file:
+        assert file["pressure_jump"].chunks is None
+    assert sorted(one.name for one in packed.parent.iterdir()) == ["packed.h5", "plain.h5"]
+
+
+def test_a_damaged_or_missing_compressed_frame_is_refused_in_a_sentence(packed):
+    with h5py.File(packed) as file:
+        place, size = file["pressure_jump"].id.get_chunk_info(3)[2:4]
+    content = bytearray(packed.read_bytes())
+    content[place + size // 2] ^= 0xFF
+    packed.write_bytes(content)
+    with taichiflap.open_result(packed) as result:
+        assert np.isfinite(result.frame("pressure_jump", 2)).all()
+        with pytest.raises(taichiflap.ResultError, match="damaged: pressure_jump"):
+            result.frame("pressure_jump", 3)
+    with h5py.File(packed, "r+") as file:
+        shape, kind = file["pressure_jump"].shape, file["pressure_jump"].dtype
+        del file["pressure_jump"]
+        file.create_dataset("pressure_jump", shape, kind, chunks=(1, 50), compression="gzip")[0] = 1.0
+    with pytest.raises(taichiflap.ResultError, match="damaged: pressure_jump is truncated"):
+        taichiflap.open_result(packed)
 
 
 def test_a_result_in_memory_makes_no_file_and_keeps_its_numbers(tmp_path, monkeypatch):

@@ -32,7 +32,8 @@ class NavierStokes(Model):
         ),
         Output(
             "vorticity", ("rho", "phi"), "s-1", "vorticity of the fluid", "omega",
-            "on the grid about the wing, in the inertial frame; positive counter-clockwise in (Y, Z)", "f4",
+            "on the grid about the wing, in the inertial frame; positive counter-clockwise in (Y, Z); rounded to 2^-11 "
+            "of itself, and to zero below 0.001 viscosities over the chord squared", "f4",
         ),
         Output(
             "map", ("exponent", "part"), "m", "coefficients of the map of the grid", "a",

@@ -2,11 +2,11 @@
 
 from ...kernels.runtime import Floats2, Floats3, Floats4, Ints2, Ints3, Octets2, Octets3, Octets4, ti
 
-ROWS, OCTETS, NEAR, FELT, BASE, TERMS, SERIES, STORED = range(8)
-UNMAPPED, SIZES = range(8, 10)
+ROWS, OCTETS, NEAR, FELT, BASE, TERMS, SERIES, STORED, ALIKE = range(9)
+UNMAPPED, SIZES = range(9, 11)
 """Entries of `size`: rows of cells, octets of a row, rows of implicit convection, rows that feel the wall's flux, first
-spectrum behind those of A, coefficients of the map and of a mode's series, coefficients that are stored; and the step
-at which the map of a bent section did not converge, or zero."""
+spectrum behind those of A, coefficients of the map and of a mode's series, coefficients that are stored, first of the
+rows that are of one thickness; and the step at which the map of a bent section did not converge, or zero."""
 
 NU, DPHI, SCALE, LENGTH, LOAD, MOMENT_LOAD, HALF_THICKNESS, STREAM_Y, STREAM_Z, PASCAL = range(10)
 RUBBED_Y, RUBBED_Z, COURANT, NUMBERS = range(10, 14)
@@ -59,7 +59,7 @@ Arrays = ti.types.argpack(
     root=Floats4,
     twiddle=Octets4,
     slot=Octets3,
-    decay=Octets3,  # e^(-k drho)
+    decay=Octets3,  # e^(-k drho) of the rows that differ
     equation=Ints2,  # where the right-hand sides of the influence matrix stand in a spectrum
     vorticity=Octets3,
     change=Octets3,  # of J w in the last step

@@ -37,7 +37,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:  # noqa: 
     root = np.zeros((count, 2, longest, 2))
     twiddle = np.zeros((count, 2, twiddled, 2, 8))
     slot = np.zeros((count, arrays.FACTORS, slots, 8))
-    decay = np.zeros((count, deep, flow_slots, 8))
+    decay = np.zeros((count, max(one.grid.alike for one in given) + 1, flow_slots, 8))
     terms = wide // 2 + 1 if bends else 3
     equation = np.zeros((count, 2 * wide + wide // 2 + 1), np.int32)
     across = max([2 * one.plans[1].slots for one in given if one.modes.count] + [longest, 1]) if bends else 1
@@ -56,7 +56,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:  # noqa: 
             root[b, p, : transform.octets] = transform.roots
             twiddle[b, p, : len(transform.twiddles)] = transform.twiddles
         slot[b] = one.factors(slots)
-        decay[b, : rows + SPARE, : one.grid.plan.slots] = one.decay()
+        decay[b, : one.grid.alike + 1, : one.grid.plan.slots] = one.decay()
         equation[b, : 2 * points] = one.equations()
         if one.modes.count:
             places, of_modes, around = one.map_places(), one.series(), one.contour()

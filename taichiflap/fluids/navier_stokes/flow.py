@@ -15,7 +15,6 @@ from ...march.stream import carry_gust
 from ...structure.beam import Modes
 from ..interface import Flow
 from .arrays import (
-    CARRY,
     CORNER_COS,
     COURANT,
     DPHI,
@@ -25,6 +24,7 @@ from .arrays import (
     GRADIENT,
     INVERSE,
     LENGTH,
+    NU,
     OCTETS,
     PASCAL,
     ROWS,
@@ -37,13 +37,13 @@ from .arrays import (
 )
 from .batch import allocate
 from .corners import place_corners, place_wall
-from .factors import eliminate_rho, solve_phi
+from .factors import step_rows
 from .influence import invert_influence, lane, respond
 from .loads import load_modes, sum_forces
 from .mapping import find_map
 from .poisson import transform_inwards, transform_outwards
 from .settings import settings
-from .transport import assemble, size
+from .transport import size
 from .wall import (
     feed_rows,
     hold_wall,
@@ -60,7 +60,9 @@ REFRESH = 25
 """Steps after which the influence matrix of a bending section is inverted anew."""
 
 LOST = 13
-"""Bits of a stored vorticity's mantissa, of 23, that are zero."""
+"""Bits of a stored vorticity's mantissa, of 23, that are zero: it is right within 2^-11 of itself."""
+LEAST = 1e-3
+"""Least vorticity that is stored, in viscosities over the chord squared."""
 
 FRICTION_NORMAL, FRICTION_AXIAL, LARGEST_COURANT = range(3)
 """The series, as the model declares them."""
@@ -135,11 +137,7 @@ def advance(body: View, flow: View, b, n, rule, used: View):
             respond(flow, b, beta)
         if n <= 2 or (bends and n % REFRESH == 0):
             invert_influence(flow, b)
-        assemble(flow, b, n, beta, bends)
-        solve_phi(flow, b, beta)
-        eliminate_rho(flow, b, beta)
-        for m in range(flow.size[b, OCTETS]):
-            flow.line[b, CARRY, m] = Octet(0.0)
+        step_rows(flow, b, n, beta, bends)
     transform_inwards(flow, b, flow.size[b, ROWS], n > 0, 1 + body.modes[b], bends)
     if n > 0:
         hold_wall(body, flow, b)
@@ -211,11 +209,12 @@ def store_wall(flow: View, output: View, b, frame):
 
 
 @ti.func
-def rounded(x):
-    """A number of single precision with the last bits of its mantissa zero: within 2^-11, and half as long when
+def rounded(x, least):
+    """A number in single precision with the last bits of its mantissa zero, and zero below `least`: shorter when
     compressed."""
     bits = ti.bit_cast(ti.cast(x, ti.f32), ti.i32)
-    return ti.bit_cast((bits + (1 << (LOST - 1))) & (-1 << LOST), ti.f32)
+    found = ti.bit_cast((bits + (1 << (LOST - 1))) & (-1 << LOST), ti.f32)
+    return ti.select(ti.abs(x) < least, ti.cast(0.0, ti.f32), found)
 
 
 @ti.func
@@ -223,12 +222,13 @@ def store_fields(flow: View, output: View, b, frame, dt):
     """Vorticity and the map; and the Courant number."""
     octets = flow.size[b, OCTETS]
     courant = Octet(flow.number[b, COURANT])
+    least = LEAST * flow.number[b, NU]
     for j in range(flow.size[b, ROWS]):
         scale = dt * flow.row[b, j, INVERSE]
         for m in range(octets):
             w = flow.vorticity[b, j, m]
             for at in ti.static(range(8)):
-                output.vorticity[b, frame, j, 8 * m + at] = rounded(w[at])
+                output.vorticity[b, frame, j, 8 * m + at] = rounded(w[at], least)
             through = ti.max(size(flow.flux_rho[b, j, m]), size(flow.flux_rho[b, j + 1, m])) + size(
                 flow.flux_phi[b, j, m]
             )

@@ -64,6 +64,11 @@ class Grid:
         """Number of rows."""
         return len(self.drho)
 
+    @cached_property
+    def alike(self) -> int:
+        """First of the outer rows, which are all of one thickness."""
+        return int(np.flatnonzero(self.drho == self.drho[-1])[0])
+
     @property
     def dphi(self) -> float:
         """Angle of a cell."""

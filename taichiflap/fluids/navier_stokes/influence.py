@@ -16,6 +16,7 @@ from .arrays import (
     UPPER_FACE,
 )
 from .fourier import transpose
+from .poisson import decay_across
 
 
 @ti.func
@@ -79,7 +80,7 @@ def invert_influence(flow: View, b):
         over = flow.slot[b, INVERSE_K, s]
         depth = 1.0
         for j in range(flow.size[b, FELT]):
-            decay = flow.decay[b, j, s]
+            decay = decay_across(flow, b, j, s)
             weight = depth * (1.0 - decay[lane_]) * over[lane_]
             depth *= decay[lane_]
             for m in range(octets):

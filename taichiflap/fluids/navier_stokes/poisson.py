@@ -8,11 +8,16 @@ source that is constant in each row, with `E = e^(-k drho)`:
     A_j = E A_{j+1} + (1 - E)/k (J w)_k,        psi_{j+1} = E psi_j + (1 - E)/(2k) (A_j + A_{j+1}).
 """
 
-from ...kernels.runtime import View, ti
+from ...kernels.runtime import Octet, View, ti
 from ...motion.sampling import PITCH_RATE
 from . import fourier, gust
 from .arrays import (
+    ALIKE,
     BASE,
+    CORNER_COS,
+    CORNER_SIN,
+    DECAYED,
+    GROWN,
     HALF,
     INVERSE_K,
     IS_ZERO,
@@ -37,9 +42,15 @@ from .transport import before
 
 
 @ti.func
-def weight(flow: View, b, j, s):
+def decay_across(flow: View, b, j, s):
+    """E of a row at a slot's wavenumbers."""
+    return flow.decay[b, ti.min(j, flow.size[b, ALIKE]), s]
+
+
+@ti.func
+def weight(flow: View, b, j, s, decay):
     """(1 - E)/k of a row, drho for k = 0."""
-    q = (1.0 - flow.decay[b, j, s]) * flow.slot[b, INVERSE_K, s]
+    q = (1.0 - decay) * flow.slot[b, INVERSE_K, s]
     if s == 0:
         q = q + flow.row[b, j, THICKNESS] * flow.slot[b, IS_ZERO, 0]
     return q
@@ -81,7 +92,8 @@ def transform_inwards(flow: View, b, rows, stepping, walls, bends):
             for s in range(flow.plan[b, 0, SLOTS]):
                 for back in range(2):
                     r = j + 1 - back
-                    e, q = flow.decay[b, r, s], weight(flow, b, r, s)
+                    e = decay_across(flow, b, r, s)
+                    q = weight(flow, b, r, s, e)
                     for part in ti.static(range(2)):
                         flow.spectra[b, r, 2 * s + part] = (
                             e * flow.spectra[b, r + 1, 2 * s + part] + q * flow.spectra[b, o0 + 1 - back, 2 * s + part]
@@ -92,7 +104,8 @@ def transform_inwards(flow: View, b, rows, stepping, walls, bends):
 def climb(flow: View, b, j, below, above, circulation):
     """The streamfunction's spectrum at face j + 1 from that at face j; `circulation` is added to A of k = 0."""
     for s in range(flow.plan[b, 0, SLOTS]):
-        e, q = flow.decay[b, j, s], 0.5 * weight(flow, b, j, s)
+        e = decay_across(flow, b, j, s)
+        q = 0.5 * weight(flow, b, j, s, e)
         for part in ti.static(range(2)):
             i = 2 * s + part
             flow.spectra[b, above, i] = e * flow.spectra[b, below, i] + q * (
@@ -129,11 +142,11 @@ def transform_outwards(body: View, flow: View, b, n, v_y, v_z, circulation, bend
             if ti.static(used.gusts):
                 if gust.blows(flow, b):
                     gust.blow_on_corners(flow, b, face, here, lead, s_y, s_z)
-            y, z = flow.corner_y[b, face, octets - 1], flow.corner_z[b, face, octets - 1]
+            y, z = corner(flow, b, face, octets - 1, bends)
             last = flow.line[b, here, octets - 1] - (v_y * z - v_z * y - spin * (y * y + z * z))
             last_y, last_z = y, z
             for m in range(octets):
-                y, z = flow.corner_y[b, face, m], flow.corner_z[b, face, m]
+                y, z = corner(flow, b, face, m, bends)
                 psi = flow.line[b, here, m] - (v_y * z - v_z * y - spin * (y * y + z * z))
                 flow.line[b, here, m] = psi
                 q = psi - before(last, psi, 1)
@@ -157,6 +170,20 @@ def transform_outwards(body: View, flow: View, b, n, v_y, v_z, circulation, bend
                             ahead = 2.0 * p - flow.flux_phi[b, face - 1, m]
                         flow.ahead_phi[b, face - 1, m] = ahead
                     flow.flux_phi[b, face - 1, m] = p
+
+
+@ti.func
+def corner(flow: View, b, face, m, bends):
+    """Corners of an octet of cells; those of a straight section are worked out, which is faster than to read them."""
+    y, z = Octet(0.0), Octet(0.0)
+    if bends:
+        y, z = flow.corner_y[b, face, m], flow.corner_z[b, face, m]
+    else:
+        out, inwards = flow.row[b, face, GROWN], flow.row[b, face, DECAYED]
+        lead, third = out * flow.coefficient[b, 0, 0], inwards * flow.coefficient[b, 2, 0]
+        y = (lead + third) * flow.line[b, CORNER_COS, m] + flow.coefficient[b, 1, 0]
+        z = (lead - third) * flow.line[b, CORNER_SIN, m]
+    return y, z
 
 
 @ti.func

@@ -63,7 +63,18 @@ class Given:
         grid = self.grid
         felt = grid.reach(self.viscosity * self.case.step)
         terms, count = (grid.points // 2, self.series().shape[1]) if self.modes.count else (0, 0)
-        return [grid.rows, grid.points // 8, grid.near, felt, grid.rows + SPARE, terms, count, self.stored, 0]
+        return [
+            grid.rows,
+            grid.points // 8,
+            grid.near,
+            felt,
+            grid.rows + SPARE,
+            terms,
+            count,
+            self.stored,
+            grid.alike,
+            0,
+        ]
 
     @property
     def viscosity(self) -> float:
@@ -165,10 +176,9 @@ class Given:
         return made
 
     def decay(self) -> Array:
-        """e^(-k drho), (rows + SPARE, slots, 8)."""
+        """e^(-k drho) of the rows that differ, (rows, slots, 8)."""
         grid = self.grid
-        drho = np.append(grid.drho, np.ones(SPARE))
-        return np.exp(-np.abs(grid.plan.wavenumber) * drho[:, None, None])
+        return np.exp(-np.abs(grid.plan.wavenumber) * grid.drho[: grid.alike + 1, None, None])
 
     def equations(self) -> NDArray[np.int32]:
         """Row of `equation`: positions of each wavenumber's parts in a spectrum, followed by the wavenumbers."""

@@ -106,8 +106,8 @@ def upwind_rho(flow: View, b, j, m, rows):
 
 
 @ti.func
-def assemble(flow: View, b, n, beta, bends):  # noqa: PLR0915 - one loop nest
-    """Right-hand side of the step, in `change`."""
+def assemble(flow: View, b, n, beta, bends, first, last):  # noqa: PLR0915 - one loop nest
+    """Right-hand side of the step in rows `first` to `last` - 1, in `change`; from the wall outwards."""
     rows, octets, near = flow.size[b, ROWS], flow.size[b, OCTETS], flow.size[b, NEAR]
     spread = flow.number[b, NU] * beta
     dphi = flow.number[b, DPHI]
@@ -116,10 +116,7 @@ def assemble(flow: View, b, n, beta, bends):  # noqa: PLR0915 - one loop nest
     kept, now, then = 1.0 / 3.0, 2.0, -1.0
     if n == 1:
         kept, now, then = 0.0, 1.0, 0.0
-    for m in range(octets):
-        flow.line[b, LOWER, m] = Octet(0.0)
-        flow.line[b, LOWER + 1, m] = Octet(0.0)
-    for j in range(rows):
+    for j in range(first, last):
         thickness, inverse = flow.row[b, j, THICKNESS], flow.row[b, j, INVERSE]
         upper, lower = spread * flow.row[b, j, UPPER_FACE], spread * flow.row[b, j, LOWER_FACE]
         share, share_up = flow.row[b, j, SHARE_ROW], flow.row[b, j, SHARE_UPPER]
