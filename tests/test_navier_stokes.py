@@ -14,7 +14,7 @@ from taichiflap.fluids.navier_stokes import arrays, tables
 from taichiflap.fluids.navier_stokes.field import Field
 from taichiflap.fluids.navier_stokes.grid import positions
 from taichiflap.fluids.navier_stokes.settings import ResolutionError, settings
-from taichiflap.kernels.runtime import view
+from taichiflap.kernels.runtime import start, view
 from taichiflap.march import state
 from taichiflap.march.march import March
 from taichiflap.motion.gust import gust_velocity
@@ -28,6 +28,7 @@ from taichiflap.motion.sampling import (
     SURGE_ACCEL,
     SURGE_RATE,
 )
+from taichiflap.structure import beam
 
 NS = ("solver=navier_stokes", "fluid.viscosity=4e-4", "time.periods=1", "time.steps_per_period=400")
 COARSE = (*NS, "navier_stokes.cells=64", "navier_stokes.radius=4.0")
@@ -321,7 +322,8 @@ def test_messages():
     with pytest.raises(CaseError, match=r"wing.span is a table"):
         case("wing.span=[[0.0, 0.05], [1.0, 0.04]]")
     with pytest.raises(
-        ResolutionError, match=r"navier_stokes.cells = 64 is too few at a Reynolds number of .*; give 192"
+        ResolutionError,
+        match=r"cells = 64 is too few at a Reynolds number, by the mean speed, of .*; give 192",
     ):
         marching(case("fluid.viscosity=1e-5"))
     with pytest.raises(ResolutionError, match=r"give time.steps_per_period = [0-9]+ or more"):
@@ -346,6 +348,19 @@ def test_what_a_run_was_not_good_for_is_said():
     assert not model.warnings(ran.override("motion.start_up_periods=2.0"))
     with pytest.raises(ResolutionError, match="no grid of this model resolves the flow"):
         marching(ran.override("fluid.viscosity=1e-8"))
+
+
+@pytest.mark.parametrize(
+    "settings_",
+    [(), ("navier_stokes.cells=192", "wing.modes=0"), ("fluid.viscosity=1.5e-5", "time.steps_per_period=auto")],
+)
+def test_a_study_knows_what_memory_a_case_needs(settings_):
+    one = hawkmoth("solver=navier_stokes", "fluid.viscosity=4e-4", *settings_).resolved()
+    start()
+    flow = fluids.load("navier_stokes").flow([one], [beam.modes(one.wing)], None, 1)
+    held = sum(view(values).nbytes for _, values in flow.groups["flow"].items)
+    assert fluids.load("navier_stokes").memory(one) == pytest.approx(held, rel=0.1)
+    assert held < 20e6
 
 
 def test_a_map_that_does_not_converge_says_so():

@@ -223,6 +223,10 @@ class Model:
         """Approximate cost of a step, in pair interactions (about one nanosecond each)."""
         return 50.0 * (len(self.nodes(case)) - 1)
 
+    def memory(self, case: Case) -> float:
+        """Size of its state in a batch, bytes; by default that of ten frames of its fields."""
+        return 10.0 * self.frame_bytes(case)
+
     def settings(self, case: Case) -> list[str]:
         """Its main settings, for the line that describes a run: `50 panels`."""
         return []

@@ -5,20 +5,22 @@ Compressed frames have no place known in advance: they are written into a second
 result.
 """
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import h5py
 
-from . import hdf, layout
+from . import hdf
 
 
-def pack(source: Path, draft: Path, recipe: tuple[Any, ...], names: list[str], packed: list[str]) -> None:
+def pack(
+    source: Path, draft: Path, lay_out: Callable[..., object], names: Sequence[str], packed: Sequence[str]
+) -> None:
     """Write a finished result to `draft` with some fields compressed.
 
     Args:
         source: the finished result.
-        recipe: what `layout.Layout` needs besides the file.
+        lay_out: `layout.Layout` of the result; called with the file and `packed`.
         names: variables over time.
         packed: those of them to compress.
 
@@ -28,7 +30,7 @@ def pack(source: Path, draft: Path, recipe: tuple[Any, ...], names: list[str], p
     guard = hdf.Guarded(draft)
     try:
         with h5py.File(source, "r", locking=False) as whole, hdf.create(guard) as file:
-            layout.Layout(file, *recipe, packed=packed)
+            lay_out(file, packed=packed)
             for name in whole.attrs:
                 file.attrs.create(name, whole.attrs[name], dtype=whole.attrs.get_id(name).dtype)
             for name in names:

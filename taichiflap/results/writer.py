@@ -6,6 +6,7 @@ time are complete. The file is named `NAME.part` until it is complete.
 """
 
 import contextlib
+import functools
 import os
 import shutil
 import time
@@ -57,7 +58,6 @@ class Writer(Recorder):
         self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
         self._draft: Path | None = None
         self._guard: hdf.Guarded | None = None
-        self._recipe: tuple[Any, ...] = ()
         self._large: list[str] = []
         ownership.check(path, overwrite)
         self._lock = ownership.lock(path)
@@ -77,7 +77,10 @@ class Writer(Recorder):
         """
         contents = contents or Contents()
         self._plan = layout.plan(sample, contents)
-        self._recipe = self.case, self.began, self._warnings, nodes, section, sample, contents
+        self._layout = functools.partial(
+            Layout, case=self.case, began=self.began, warnings=self._warnings, nodes=nodes, section=section,
+            sample=sample, contents=contents,
+        )  # fmt: skip
         self._large = layout.large(sample, contents)
         if self._file is not None:
             self._find_places()
@@ -85,7 +88,7 @@ class Writer(Recorder):
         try:
             self._guard = hdf.Guarded(self._reserve(layout.size(self.case, sample, contents)))
             self._file = hdf.create(self._guard)
-            Layout(self._file, *self._recipe)
+            self._layout(self._file)
             self._file.flush()
             self._guard.check()
             self._publish()
@@ -207,7 +210,7 @@ class Writer(Recorder):
             return False
         self._draft = self._draft_name
         try:
-            packing.pack(part(self.path), self._draft, self._recipe, self.names, self._large)
+            packing.pack(part(self.path), self._draft, self._layout, self.names, self._large)
         except (OSError, RuntimeError):
             self._discard_draft()
             return False

@@ -108,9 +108,9 @@ def work(case: Case) -> float:
 
 
 def memory(case: Case) -> float:
-    """Memory of a case in a batch, bytes: twice its motion and history, and its wake."""
+    """Memory of a case in a batch, bytes: twice its motion and history, and the model's state."""
     tracked = 2.0 * 8.0 * (4 + 4 * case.wing.modes) * case.steps
-    return tracked + 2.0 * 8.0 * 8.0 * case.steps + 10.0 * fluids.load(case.solver).frame_bytes(case)
+    return tracked + 2.0 * 8.0 * 8.0 * case.steps + fluids.load(case.solver).memory(case)
 
 
 def compute(

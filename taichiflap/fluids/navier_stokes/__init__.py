@@ -123,6 +123,15 @@ class NavierStokes(Model):
         grid = settings(case).grid(case.wing.pivot)
         return (40.0 if case.wing.modes else 20.0) * grid.rows * grid.points
 
+    def memory(self, case: Case) -> float:
+        modes, grid = case.wing.modes, settings(case).grid(case.wing.pivot)
+        fields = FIELDS + (FIELDS_OF_BENDING if modes else 0)
+        spectra = 16 * grid.plan.slots * (grid.rows + 2 * modes)
+        lines = (LINES + 6 * modes) * grid.points
+        # Behind the fields of the cells the influence matrix and its inverse, and the points of the map.
+        numbers = fields * grid.rows * grid.points + spectra + lines + 2 * grid.points**2
+        return 8.0 * (numbers + (OF_MAP if modes else 0))
+
     def velocity(self, result: Any, index: int) -> Velocity:
         return self.field(result, index).velocity
 
@@ -161,6 +170,10 @@ FAR = 0.5
 """Tip deflection of a warning, chords."""
 COURANT = 15.0
 """Courant number of a warning."""
+FIELDS, FIELDS_OF_BENDING = 11, 5
+"""Arrays of one number a cell that a case has, and those of a bending section besides."""
+LINES, OF_MAP = 150, 7e4
+"""Numbers an angle that are not of the cells, and numbers of the map of a bending section."""
 MOST_TERMS = 64
 """Coefficients of the map of a bent section that are stored, besides the first."""
 
