@@ -30,7 +30,7 @@ SMALLEST = 1e-14
 
 @ti.func
 def place_corners(flow: View, b, n, dt):
-    """Corners of the cells by Horner's rule, the rates at which they move, and the cells' areas."""
+    """Corners of the cells by Horner's rule, their velocities, and the areas of the cells."""
     octets, rows = flow.size[b, OCTETS], flow.size[b, ROWS]
     last = flow.size[b, TERMS] - 1
     r_y, r_z = flow.coefficient[b, 0, 0], flow.coefficient[b, 0, 1]
@@ -63,7 +63,7 @@ def place_corners(flow: View, b, n, dt):
 
 @ti.func
 def move_corner(flow: View, b, j, m, n, dt, y, z):
-    """A corner's new position, and its rate by BDF2."""
+    """New position of a corner, and its velocity by BDF2."""
     dy, dz = y - flow.corner_y[b, j, m], z - flow.corner_z[b, j, m]
     now, then = 1.5 / dt, 0.5 / dt
     if n == 1:

@@ -153,8 +153,7 @@ def eliminate_rho(flow: View, b, beta, first, last):
 
 @ti.func
 def substitute(flow: View, b, j, out, scale, bends):
-    """Vorticity of row `j` at the end of the step, and its content J w times `scale` in a line; from the outer row
-    in."""
+    """Vorticity of row `j` at the end of the step, and J w times `scale` in a line; from the outer row inwards."""
     for m in range(flow.size[b, OCTETS]):
         x = flow.change[b, j, m] + flow.factor_rho[b, j, m] * flow.line[b, CARRY, m]
         flow.line[b, CARRY, m] = x

@@ -21,7 +21,7 @@ from .poisson import decay_across
 
 @ti.func
 def respond(flow: View, b, beta):
-    """Vorticity in the near rows by the wall's flux: `grid.wall_response`, for the cells as they are."""
+    """Response of the vorticity in the near rows to the wall flux: `grid.wall_response`, for the current cells."""
     felt, octets = flow.size[b, FELT], flow.size[b, OCTETS]
     spread = flow.number[b, NU] * beta
     source = beta / flow.row[b, 0, THICKNESS]
@@ -60,7 +60,7 @@ def turn(flow: View, b, i, points):
 
 @ti.func
 def invert_influence(flow: View, b):
-    """Influence matrix of the slip by the wall's flux, and its inverse: its rows behind those of the matrix."""
+    """Influence matrix of the wall flux on the slip, followed by the rows of its inverse."""
     octets = flow.size[b, OCTETS]
     points = 8 * octets
     scale = flow.number[b, SCALE]
@@ -111,7 +111,7 @@ def invert_influence(flow: View, b):
 
 @ti.func
 def oppose_slip(flow: View, b, defect, mean, out):
-    """Change of the wall's flux, in line `out`, that takes away a defect of the slip, with a given mean."""
+    """Change of the wall flux that removes a slip, with a given mean; stored in line `out`."""
     octets = flow.size[b, OCTETS]
     points = 8 * octets
     for c in range(points):

@@ -18,7 +18,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Plan:
-    """How a row of `points` is transformed.
+    """Plan of the transform of a row of `points`.
 
     Raises:
         ValueError: when `points` is no multiple of 16 whose eighth has the prime factors 2 and 3 alone.
@@ -41,7 +41,7 @@ class Plan:
 
     @property
     def tail(self) -> bool:
-        """Whether k1 = M/2 has a slot of its own."""
+        """Whether k1 = M/2 has its own slot."""
         return self.octets // 2 % 8 == 0
 
     @property

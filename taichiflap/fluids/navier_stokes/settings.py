@@ -45,7 +45,7 @@ class ResolutionError(UserError):
 
 @dataclass(frozen=True)
 class Settings:
-    """Numbers of a case's flow; lengths in chords. `reynolds` is that of the mean speed, see `reynolds`."""
+    """Settings of a case's flow; lengths in chords. `reynolds` is that of the mean speed, see `reynolds`."""
 
     reynolds: float
     cells: int
