@@ -1,6 +1,4 @@
-"""The browser viewer of taichiflap's results. It reads them through `taichiflap.results`; the solver does not import
-it.
-"""
+"""The browser viewer of results, maps and cases. The solver does not import it."""
 
 from typing import TYPE_CHECKING, Any
 

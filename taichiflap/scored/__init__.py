@@ -1,1 +1,1 @@
-"""What the scores say of a case: the published cases nearest to it, and how much its model errs there."""
+"""The published cases nearest to a case, and the errors of its model there."""
