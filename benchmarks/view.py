@@ -4,7 +4,7 @@ import argparse
 import statistics
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from .rows import Row
 from .runs import hawkmoth
 
 SERVER, FILES = "The server", "A large file"
+PARTS = ("picture", "explore", "files", "server")
 CLIENTS = 10
 SECONDS = 10.0
 
@@ -116,20 +117,22 @@ def main() -> None:
     """Rows are printed as they are measured."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=0.0, help="watch memory during so many minutes of playback")
-    minutes = parser.parse_args().minutes
+    parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS, help="measure these parts alone")
+    arguments = parser.parse_args()
     for name, value in (machine.describe() | {"viser": viser.__version__}).items():
         print(f"{name:<22}{value}")
     with tempfile.TemporaryDirectory() as folder:
         shipped, many = Path(folder, "shipped.h5"), Path(folder, "many.h5")
         taichiflap.simulate(hawkmoth(), shipped).close()
         taichiflap.simulate(hawkmoth("uvlm.wake=2000", "uvlm.core=0.02"), many).close()
-        for rows in (
-            picture.rows(shipped),
-            explore.rows(),
-            files(shipped, Path(folder, "large.h5")),
-            server(shipped, many, minutes),
-        ):
-            printed(rows)
+        parts: dict[str, Callable[[], Iterator[Row]]] = {
+            "picture": lambda: picture.rows(shipped),
+            "explore": explore.rows,
+            "files": lambda: files(shipped, Path(folder, "large.h5")),
+            "server": lambda: server(shipped, many, arguments.minutes),
+        }
+        for name in arguments.only:
+            printed(parts[name]())
 
 
 if __name__ == "__main__":

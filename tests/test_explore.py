@@ -185,7 +185,7 @@ def test_a_browser_changes_its_own_case(tmp_path, capfd):
             settled(one)
             assert one.run.case.wing.youngs_modulus == modulus
         # An address of a colleague.
-        one._take_address({"set": one._address()["set"] + ";wing.modes=2"})
+        one.act("address", {"set": one._address()["set"] + ";wing.modes=2"})
         settled(one)
         assert (one.run.case.wing.modes, one.run.case.wing.youngs_modulus) == (2, 12e9)
         one.sliders.find("added mass")

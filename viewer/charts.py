@@ -81,16 +81,11 @@ def quantities(runs: list[Run]) -> list[Quantity]:
 def available(runs: list[Run], shown: list[Quantity]) -> list[Quantity]:
     """Every series that can be shown: the default ones, then all others of the results."""
     known = {one.name for one in shown}
-    others = []
+    others: list[Quantity] = []
     for name in runs[0].variables:
         if name in known or name == "time" or not all(name in run.variables for run in runs):
             continue
-        one = runs[0].result.describe(name)
-        if one.dimensions == ("time",):
-            values = (np.abs(run.series(name, 0, run.steps - 1, POINTS)[1]) for run in runs)
-            most = max(float(np.max(one, initial=0.0, where=np.isfinite(one))) for one in values)
-            factor, unit = prefixed(most, one.units) if one.units in ("m", "N", "W", "Pa") else (1.0, one.units)
-            others.append(Quantity(name, one.long_name[:1].upper() + one.long_name[1:], unit, factor))
+        others += _described(runs, name)
     return [*shown, *others]
 
 
@@ -98,9 +93,17 @@ def _own(runs: list[Run]) -> Iterator[Quantity]:
     """Series that only the fluid model of these results defines."""
     for name in runs[0].variables:
         if name not in VARIABLES and all(name in run.variables for run in runs):
-            one = runs[0].result.describe(name)
-            if one.dimensions == ("time",):
-                yield Quantity(name, one.long_name[:1].upper() + one.long_name[1:], one.units, 1.0)
+            yield from _described(runs, name)
+
+
+def _described(runs: list[Run], name: str) -> Iterator[Quantity]:
+    """A series as the results describe it, in a unit that suits its largest value; nothing for a field."""
+    one = runs[0].result.describe(name)
+    if one.dimensions == ("time",):
+        values = (np.abs(run.series(name, 0, run.steps - 1, POINTS)[1]) for run in runs)
+        most = max(float(np.max(each, initial=0.0, where=np.isfinite(each))) for each in values)
+        factor, unit = prefixed(most, one.units) if one.units in ("m", "N", "W", "Pa") else (1.0, one.units)
+        yield Quantity(name, one.long_name[:1].upper() + one.long_name[1:], "" if unit == "1" else unit, factor)
 
 
 class Charts:
@@ -173,7 +176,7 @@ class Charts:
                 self.handles[quantity.name] = self._gui.add_uplot(
                     self._data(quantity, playback.frame),
                     self._series(quantity),
-                    title=f"{quantity.title}, {quantity.unit}",
+                    title=", ".join(filter(None, (quantity.title, quantity.unit))),
                     scales={"x": {"time": False}},
                     axes=({"size": 26, "space": 40}, {"size": 46, "space": 17}),
                     legend={"show": False},
@@ -182,12 +185,16 @@ class Charts:
                     order=FIRST if first else None,
                 )
 
-    def show(self, playback: Playback, frame: int, again: bool = False) -> None:
-        """Move the dots to the current frame; `again` reads the curves again after the file has grown."""
-        self._load(playback, again)
+    def show(self, playback: Playback, frame: int) -> None:
+        """Move the dots to the current frame."""
+        self._load(playback)
         self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
             wire.send(self.handles[quantity.name], data=self._data(quantity, frame))
+
+    def read_again(self, playback: Playback) -> None:
+        """Read the curves again: the file has grown, or there are other runs."""
+        self._load(playback, again=True)
 
     def _load(self, playback: Playback, again: bool = False) -> None:
         """Read the curves if they have changed."""

@@ -47,7 +47,10 @@ LAYERS = {
     "load": ("Local force", "the fluid's force along the chord"),
     "arrows": ("Flow arrows", "the fluid's velocity, over a background"),
     "streamlines": ("Streamlines", "of the fluid, over a background"),
-    "streaks": ("Streak lines", "of fluid that passed the wing's edges in the last beat; a double click adds a point"),
+    "streaks": (
+        "Streak lines",
+        "from the leading (red) and trailing edge (grey), and where you double-click",
+    ),
     "riding": ("Wing's frame", "the wing stands still and the fluid moves"),
 }
 """Title and description of each layer."""

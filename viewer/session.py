@@ -3,7 +3,7 @@
 import contextlib
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -125,7 +125,7 @@ class Session:
             if self._surveys != [run.surveys for run in self.runs]:
                 self._build()
                 self.view.fit(self.run.first_view(self.playback.layers["riding"]))
-            self.charts.show(self.playback, self.playback.frame, again=True)
+            self.charts.read_again(self.playback)
             self.show()
 
     def show(self) -> None:
@@ -176,7 +176,7 @@ class Session:
             elif name in timeline.CONTROLS:
                 timeline.CONTROLS[name](self.run, playback, value)
             else:
-                self._deeds[name](self, value)
+                getattr(self, self._deeds[name])(value)
             if name in ("background", "arrows", "riding"):
                 self._tell_legend()
             self.show()
@@ -243,15 +243,16 @@ class Session:
             self._set_theme()
             self._build()
 
-    _deeds: dict[str, Callable[["Session", Any], None]] = {  # noqa: RUF012 - the same for all
-        "charts": _choose_charts,
-        "reset": _reset_view,
-        "view": _look_at,
-        "cursor": _point_at,
-        "release": _release_at,
-        "address": _take_address,
-        "dark": _darken,
+    _deeds = {  # noqa: RUF012 - the same for all
+        "charts": "_choose_charts",
+        "reset": "_reset_view",
+        "view": "_look_at",
+        "cursor": "_point_at",
+        "release": "_release_at",
+        "address": "_take_address",
+        "dark": "_darken",
     }
+    """The methods for the other controls, by name: some kinds of sessions have their own."""
 
     def _set_theme(self) -> None:
         self.theme = theme(self.playback.dark)

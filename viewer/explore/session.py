@@ -224,6 +224,7 @@ class ExploreSession(Session):
         with self._lock:
             old, self.pinned = self.pinned, self.run
             self._refresh()
+            self._tell()
             if old is not self.run:
                 self._drop(old)
 
@@ -297,6 +298,9 @@ class ExploreSession(Session):
             self._refresh()
             if old not in (self.run, self.pinned):
                 self._drop(old)
+        # The picture does not wait for the numbers.
+        with self._lock, self.client.atomic():
+            self._tell()
 
     def _refresh(self) -> None:
         """Show new data, in the existing scene if it has the same properties."""
@@ -306,9 +310,9 @@ class ExploreSession(Session):
         else:
             for actor, run in zip(self.actors, (self.run, self.pinned), strict=True):
                 actor.run = run
-        self.charts.show(self.playback, self.playback.frame, again=True)
+        self.charts.read_again(self.playback)
+        self._beside = 0.0
         self.show()
-        self._tell()
 
     def _drop(self, run: Run) -> None:
         if run is not self.base:
