@@ -146,9 +146,10 @@ def test_a_slider_is_moved_and_the_wing_answers(look):
     small = ("time.periods=2", "time.steps_per_period=40", "dbet.elements=20")
     explorer = Explorer(CASES / "hawkmoth_dbet.toml", small, threads=1, port=PORT)
     try:
-        page = look(explorer.address)
-        stop(page)
+        page = look(explorer.address, query="&frame=70&set=wing.thickness=5e-05")
         (session,) = explorer.sessions
+        wait_until(page, lambda: session.run.case.wing.thickness == 5e-05 and session.playback.frame == 70)
+        page.get_by_text("wing.thickness=5e-05").first.wait_for()
         numbers, wing = page.locator("[data-differences]").inner_text(), floats(page, "/wing")
         label = page.get_by_text("Young's modulus, GPa", exact=True)
         assert label.count() == 1

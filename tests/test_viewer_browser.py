@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from browsing import MARKS, NODE, PORT, PROPS, STORE, choose, floats, go_to, pixels_of, stop, wait_until
+from browsing import MARKS, NODE, PORT, PROPS, STORE, choose, floats, go_to, pixels_of, stop, wait_for_frame, wait_until
 from conftest import hawkmoth
 from matplotlib.image import imread
 from taichiflap_viewer import Viewer
@@ -153,6 +153,25 @@ def test_a_picture_of_the_flow_is_shown_with_its_own_frame_or_not_at_all(serve, 
     for index in (203, 317):
         go_to(page, viewer, index)
         page.wait_for_function(f"() => ({NODE.format(f'/field/{index}/picture')} || {{}}).effectiveVisibility")
+
+
+def test_a_double_click_shows_the_streak_line_of_its_point(serve, look):
+    viewer = serve("uvlm")
+    page = look(viewer.address, query="&frame=250&layers=streaks&points=1.5,-0.5")
+    wait_for_frame(page, viewer, 250)
+    page.wait_for_function(f"() => ({NODE.format('/streaks')} || {{}}).effectiveVisibility")
+    page.mouse.dblclick(640, 300)
+    page.wait_for_function("() => /points=1.5,-0.5,[-0-9.]+,[-0-9.]+/.test(location.search)")
+    (session,) = viewer.sessions
+    points = session.playback.points
+    page.wait_for_function(f"count => {PROPS.format('/streaks')}.points.length === 6 * count", arg=(2 + 2) * 199)
+    lines = floats(page, "/streaks").reshape(4, -1, 2, 3)
+    # Each begins at its point, and goes on where it ends.
+    np.testing.assert_allclose(lines[2:, 0, 0][:, [0, 2]], points, atol=1e-5)
+    np.testing.assert_allclose(lines[:, 1:20, 0], lines[:, :19, 1], atol=1e-6)
+    page.get_by_label("Streak lines", exact=True).click()
+    page.wait_for_function(f"() => !({NODE.format('/streaks')}).effectiveVisibility")
+    wait_until(page, lambda: session.playback.points == ())
 
 
 def test_a_theme_is_changed_while_playing_without_a_word_in_the_console(serve, look):

@@ -2,6 +2,7 @@
 
 import contextlib
 import functools
+import math
 import shlex
 import time
 from collections.abc import Callable
@@ -27,7 +28,7 @@ from ..stage import Stage
 from ..timeline import Playback
 from .change import History, brief, changed, settings
 from .sliders import Sliders
-from .worker import BEGUN, Found, Worker, received
+from .worker import BEGUN, LONG, Found, Worker, received
 
 GHOST = Look("/pinned", (140, 146, 156), "circle", 3.0, -0.005)
 """How the pinned result's wing looks, behind the other's."""
@@ -61,7 +62,7 @@ class ExploreSession(Session):
         self._wishes: dict[int, tuple[Case, str]] = {}
         self.pinned = run
         self._closed = False
-        self._looked = 0.0
+        self._looked, self._asked = 0.0, math.inf
         self._second = NO_MODEL
         super().__init__(client, [run], opening([run]), Fields(run, pool))
         self._place, self._beside_place = worker.enlist(self._arrive), worker.enlist(self._arrive)
@@ -127,6 +128,10 @@ class ExploreSession(Session):
 
     def tick(self, seconds: float) -> None:
         """Advance playback, and check a run that is shown during its computation."""
+        if self._wishes and time.monotonic() - self._asked > LONG:
+            # Said once.
+            self._asked = math.inf
+            self._message.content = _took(self.case, 0.0, begun=True)
         if not self.run.live:
             super().tick(seconds)
         elif self._wishes and time.monotonic() - self._looked > LOOK_SECONDS:
@@ -202,6 +207,7 @@ class ExploreSession(Session):
         try:
             place = self._place if what == "run" else self._beside_place
             self._wishes[self._worker.ask(place, case)] = case, what
+            self._asked = time.monotonic()
         except OSError:
             self._message.content = notice("The solver process has ended; restart explore.")
 
