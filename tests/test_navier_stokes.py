@@ -335,15 +335,16 @@ def test_what_a_run_was_not_good_for_is_said():
     ran = hawkmoth(*NS, "fluid.viscosity=1.5e-5")
     said = "\n".join(model.outcome(ran, {"tip_deflection": np.array([0.011]), "courant": np.array([30.0])}.__getitem__))
     for phrase in (
-        "bends by up to 0.55 chords: beyond 0.5", "1 periods: a separated flow needs 10",
-        "the Courant number reached 30: beyond 15", "give time.steps_per_period = 800",
-        "an ellipse 0.04 chords thick, the wing 0.002",
+        "tip deflection reaches 0.55 chords; above 0.5",
+        "time.periods = 1: the mean of a separated flow needs at least 10",
+        "the Courant number reached 30; above 15", "use time.steps_per_period = 800",
+        "navier_stokes.thickness = 0.04 chords, the wing has 0.002",
     ):  # fmt: skip
         assert phrase in said
     calm = {"tip_deflection": np.zeros(1), "courant": np.ones(1)}.__getitem__
     assert not model.outcome(ran.override("time.periods=10", "wing.thickness=5e-4"), calm)
     # Before it runs: of a motion that jumps, and a flow that two dimensions are wrong for.
-    assert any("beyond 3000" in one for one in model.warnings(ran.override("fluid.viscosity=1e-5")))
+    assert any("above 3000" in one for one in model.warnings(ran.override("fluid.viscosity=1e-5")))
     assert any("begins with a jump" in one for one in model.warnings(ran))
     assert not model.warnings(ran.override("motion.start_up_periods=2.0"))
     with pytest.raises(ResolutionError, match="no grid of this model resolves the flow"):

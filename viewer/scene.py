@@ -41,17 +41,17 @@ LAYERS = {
     "wake": ("Wake", "vortices shed by the wing"),
     "sheets": ("Two sheets", "colour the wake by the edge that shed it instead of by circulation"),
     "ghost": ("Undeformed", "chord of the undeformed wing"),
-    "stroke": ("Stroke plane", "and the path of the pivot in it"),
+    "stroke": ("Stroke plane", "the stroke plane and the pivot's path"),
     "force": ("Force", "the fluid's force on the whole wing"),
     "velocity": ("Wing velocity", "velocity of points of the wing relative to the fluid"),
     "load": ("Local force", "the fluid's force along the chord"),
     "arrows": ("Flow arrows", "the fluid's velocity, over a background"),
-    "streamlines": ("Streamlines", "of the fluid, over a background"),
+    "streamlines": ("Streamlines", "streamlines of the flow, over a background"),
     "streaks": (
         "Streak lines",
         "from the leading (red) and trailing edge (grey), and where you double-click",
     ),
-    "riding": ("Wing's frame", "the wing stands still and the fluid moves"),
+    "riding": ("Wing's frame", "the flow as seen from the wing"),
 }
 """Title and description of each layer."""
 

@@ -52,7 +52,7 @@ class Grid:
 
     def __init__(self, result: Result, reference: str, paged: bool) -> None:
         if not flow.stored(result):
-            raise GridError(f"{result.case.model} stores no vorticity, so there is none to put on a grid")
+            raise GridError(f"{result.case.model} stores no vorticity, so that it has none to export on a grid")
         self._result, self._reference = result, reference
         self._paged = paged or reference != INERTIAL
         box = flow.extent(result, range(result.frames), reference).box

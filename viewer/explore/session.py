@@ -171,7 +171,7 @@ class ExploreSession(Session):
                 gui.add_button(label).on_click(functools.partial(self._try, deed))
             second = gui.add_dropdown(
                 "Second model", (NO_MODEL, *self.sliders.handles["solver"][1].options),
-                hint="of every change, what this model makes of the same motion, instead of the pinned result",
+                hint="compute every change with this model too, and compare with it instead of the pinned result",
             )  # fmt: skip
             second.on_update(lambda event: self._set_second(event.target.value))
             self._line = gui.add_html("")

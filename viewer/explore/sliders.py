@@ -76,7 +76,7 @@ class Sliders:
         with self._folder:
             for control in controls(case):
                 self._add(control)
-            search = gui.add_text("Search", self._words, hint="shows other keys by their name or meaning")
+            search = gui.add_text("Search", self._words, hint="find other keys by name or description")
             search.on_update(lambda _: self.find(search.value))
         self.find(self._words)
 

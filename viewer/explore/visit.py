@@ -77,7 +77,7 @@ class Visit:
             EXPLORE,
             order=-20.0,
             visible=self._may_explore,
-            hint="change it by sliders, and see what comes of it at once",
+            hint="change the case with sliders, and see the result at once",
         )
         self._door.on_click(lambda _: self._explore())
         return shown

@@ -24,8 +24,8 @@ class NavierStokes(Model):
     stores_vorticity = True
     outputs = (
         *standard("pressure_jump", "shear"),
-        Output("friction_normal", (), "N", "share of force_normal from friction", "F_N,f", _FRICTION),
-        Output("friction_axial", (), "N", "share of force_axial from friction", "F_A,f", _FRICTION),
+        Output("friction_normal", (), "N", "part of force_normal due to friction", "F_N,f", _FRICTION),
+        Output("friction_axial", (), "N", "part of force_axial due to friction", "F_A,f", _FRICTION),
         Output(
             "courant", (), "1", "largest Courant number of a cell so far", "C",
             "looked at when fields are stored; beyond about 15 the first beat errs by more than a percent",
@@ -67,14 +67,14 @@ class NavierStokes(Model):
         number = settings(case).reynolds
         if number > WILD:
             found.append(
-                f"the Reynolds number of the mean speed is {number:.3g}: beyond {WILD:g} a two-dimensional flow keeps "
-                "its vortices too strong"
+                f"the Reynolds number of the mean speed is {number:.3g}; above {WILD:g} the vortices of a "
+                "two-dimensional flow are too strong"
             )
         given, start_up = case.motion, completed(case).motion.start_up
         if given.frequency and start_up == INSERTED / given.frequency and starts_with_jump(case):
             found.append(
-                "the motion begins with a jump, which a viscous flow cannot follow: it grows smoothly from zero over "
-                f"motion.start_up = {start_up:g} s"
+                "the motion begins with a jump in velocity, which a viscous flow cannot follow; "
+                f"motion.start_up = {start_up:g} s is used"
             )
         return found
 
@@ -82,25 +82,21 @@ class NavierStokes(Model):
         found = []
         bent = float(np.abs(written("tip_deflection")).max(initial=0.0)) / case.wing.chord
         if bent > FAR:
-            found.append(
-                f"the trailing edge bends by up to {bent:.2g} chords: beyond {FAR:g} the grid's map may not converge"
-            )
+            found.append(f"the tip deflection reaches {bent:.2g} chords; above {FAR:g} the grid's map may not converge")
         if case.periodic and case.time.periods and case.time.periods < SETTLED and settings(case).reynolds > SHEDDING:
-            found.append(
-                f"{case.time.periods} periods: a separated flow needs {SETTLED} or more for a mean that repeats"
-            )
+            found.append(f"time.periods = {case.time.periods}: the mean of a separated flow needs at least {SETTLED}")
         section = settings(case).thickness
         own = thickest(case)
         if own is not None and own < 0.5 * section:
             found.append(
-                f"the section is an ellipse {section:g} chords thick, the wing {own:.2g}: lift comes out low, by about "
-                "3 % between 0.02 and 0.04 chords; navier_stokes.thickness sets it"
+                f"the section is an ellipse of navier_stokes.thickness = {section:g} chords, the wing has {own:.2g}: "
+                "the lift is too low, by about 3 % between 0.02 and 0.04 chords"
             )
         number = float(written("courant")[-1])
         if number > COURANT:
             found.append(
-                f"the Courant number reached {number:.3g}: beyond {COURANT:g} the step errs by more than a percent; "
-                f"give time.steps_per_period = {math.ceil(case.steps_per_beat * number / COURANT)}"
+                f"the Courant number reached {number:.3g}; above {COURANT:g} the error of a step exceeds a per cent; "
+                f"use time.steps_per_period = {math.ceil(case.steps_per_beat * number / COURANT)}"
             )
         return found
 
