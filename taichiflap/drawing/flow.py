@@ -186,7 +186,7 @@ def lines(streamfunction: NDArray[Any], spacing: float, width: float = 1.3) -> A
     slope = np.hypot(*np.gradient(phase))
     away = np.abs(phase - np.rint(phase)) / np.maximum(slope, 1e-12)
     drawn = np.clip(0.5 * width + 0.5 - away, 0.0, 1.0)
-    # Where they crowd, or the fluid stands still, there are none to be told apart.
+    # None where they are dense, or the fluid is at rest.
     return drawn * np.clip((0.4 - slope) / 0.15, 0.0, 1.0) * np.clip((slope - 1e-3) / 1e-3, 0.0, 1.0)
 
 

@@ -46,7 +46,7 @@ INERTIAL, WING = FRAMES = ("inertial", "wing")
 
 @dataclass(frozen=True)
 class Standpoint:
-    """Where a picture is seen from: which way up, and which point (Y and Z, m) stands at its origin."""
+    """View of a picture: its vertical direction, and the point (Y and Z, m) at its origin."""
 
     orientation: Orientation = Orientation()
     y: float = 0.0

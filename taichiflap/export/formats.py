@@ -11,7 +11,7 @@ from ..results.reader import Result
 FORMATS = ("csv", "vtkhdf", "html", "mp4", "gif", "flow.vtkhdf", "nc")
 FILMS = ("mp4", "gif")
 SEEN = ("html", "mp4", "gif", "flow.vtkhdf", "nc")
-"""Formats that stand in a frame of reference; the last two have the flow on a plain grid."""
+"""Formats with a choice of the frame of reference; the last two contain the flow on a uniform grid."""
 BEATS = {"html": 4, "mp4": 2, "gif": 1}
 """Formats that show the last beats, and the default number of beats."""
 

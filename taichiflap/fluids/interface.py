@@ -267,7 +267,7 @@ class Model:
         return None
 
     def field(self, result: Any, index: int) -> FlowField | None:
-        """All that the model knows of the flow of a frame; None where it knows nothing. Read as `velocity` is."""
+        """The flow field of a frame; None if the model has none. The file is read as for `velocity`."""
         velocity = self.velocity(result, index)
         return FlowField(velocity) if velocity else None
 

@@ -56,7 +56,7 @@ def plot(
             extension pdf, eps, svg or png only that type is written.
         sheets: colour wakes by the edge that shed them instead of by circulation.
         width: width of the figures, inches.
-        metrics: names of series for the summary, in the place of tip deflection, forces and power.
+        metrics: names of series for the summary, instead of tip deflection, forces and power.
         beats: how many of the last beats the summary shows.
         look: a style of matplotlib's, or a `.mplstyle` file, over the house's own.
         reference: the frame of reference that wings are drawn in, `inertial` or `wing`.
@@ -143,7 +143,7 @@ def wing(result: Result, sheets: bool = False, width: float = WIDTH, reference: 
 
 
 def _draw_heading(figure: Figure, ax: Any, lines: str, share: float, arrows: Any, size: float, text: str) -> None:
-    """The title, and what an arrow stands for: beside it, or below it in a narrow figure.
+    """The title, and the scale of the arrows next to it, or below it in a narrow figure.
 
     Args:
         share: the heading's share of the figure's height.
@@ -156,7 +156,7 @@ def _draw_heading(figure: Figure, ax: Any, lines: str, share: float, arrows: Any
 
 
 def _draw_key(figure: Figure, axes: Any, drawn: Any, flows: bool, saturated: bool, sheets: bool, place: str) -> None:
-    """What the colours of the vorticity (if it `flows`) or of the wake stand for."""
+    """Key to the colours of the vorticity (if it `flows`) or of the wake."""
     if sheets and not flows:
         marks = [
             Line2D([], [], marker="o", linestyle="", markersize=4, color=colour, label=f"{edge} edge")

@@ -69,7 +69,7 @@ class Regime:
         return self.difference(other) if alike else math.inf
 
     def difference(self, other: "Regime") -> float:
-        """How much the numbers of two regimes differ, whatever their kind.
+        """Difference between the numbers of two regimes of any kind.
 
         A difference of 1 corresponds to a factor of e in reduced frequency or stroke, 30 deg in angle of attack, a
         factor of ten in Reynolds number, or 0.3 in frequency ratio.

@@ -35,7 +35,7 @@ SHORT = 0.3
 PAIRS_A_SECOND = 1e9
 """Approximate speed of a run, pair interactions a second."""
 BEGUN = "begun"
-"""What is said, in the place of a reason, of a file that is being written."""
+"""Reason text of a file that is still being written."""
 
 Found = Path | Result | None
 """The file of a result; a short one itself, through the pipe from our own process."""

@@ -1,4 +1,4 @@
-"""What the wall's flux of vorticity does to the slip on the wall: the influence matrix, and its inverse."""
+"""Effect of the wall's flux of vorticity on the slip at the wall: the influence matrix, and its inverse."""
 
 from ...kernels import linear
 from ...kernels.runtime import Octet, View, ti

@@ -3,7 +3,7 @@
 - Uniform: equal, straight panels between points of the camber line, the bound vortex at 1/4 of each and the control
   point at 3/4 (Reade & Jankauski 2020, Table 4).
 - Cosine: Lan's quasi-vortex lattice (J. Aircraft 11, 1974). With `y = c/2 (1 - cos a)` panels end at `a = i pi/N`, the
-  vortices stand at the midpoints in `a`, the control points at the ends, the last at the trailing edge. All lie on the
+  vortices are at the midpoints in `a`, the control points at the ends, the last at the trailing edge. All lie on the
   camber line itself, so that sums over them are quadratures of spectral accuracy.
 """
 

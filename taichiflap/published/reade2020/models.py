@@ -202,7 +202,7 @@ def measure(model: Model, pitch: float, modes: int) -> Kept:
 
 
 def compute(path: Path, progress: Callable[[float], None] | None = None) -> Found:
-    """Run every wing in every model, on one core, and keep what comes out in a file, each as soon as it is there.
+    """Run every wing in every model on one core, and store each result in a file at once.
 
     Raises:
         StudyError: when a run fails.

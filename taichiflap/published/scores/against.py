@@ -29,12 +29,12 @@ ACROSS = ("lift", "thrust", "drag")
 """Forces that need a stream."""
 ROUND_OFF = 1e-9
 ALIKE = 1.05
-"""Shifts whose differences are within this factor of the least are alike: of them the smallest shift is taken."""
+"""Shifts whose differences are within this factor of the minimum count as equal; the smallest is used."""
 
 
 @dataclass(frozen=True)
 class Figures:
-    """What is told of a trace, measured or modelled, in the unit of the measurement.
+    """Numbers of a measured or computed trace, in the unit of the measurement.
 
     Attributes:
         values: at the times compared.
@@ -250,10 +250,10 @@ def _folded(time: Array, values: Array, phases: Array) -> Array:
 def _best_shift(
     case: Case, trace: Trace, at: Array, rows: Mapping[str, Mapping[str, Array]]
 ) -> tuple[float, dict[str, float]]:
-    """The shift of a trace, and that which each model would take alone.
+    """The shift of a trace, and the shift that each model alone would have.
 
-    When a trace began is a matter of the measurement: it has one shift, whatever quantity or model it is compared with.
-    Differences are squared and taken over the mean square of the quantity, so that each counts alike.
+    The start of a trace is a property of the measurement: it has one shift for all variables and models.
+    Squared differences are relative to the mean square of the variable, so that all variables count equally.
     """
     errors = {tier: np.zeros(len(at)) for tier in rows}
     for quantity in trace.values:
