@@ -3,7 +3,7 @@
 Starting from its value in the case, a key is doubled (modes: one more). A value is accepted if its next two refinements
 both change every chosen metric by less than the tolerance. The accepted value is kept while the next keys are refined.
 The number of wake vortices is refined together with the time step, so that the length of the wake stays the same. At
-the end lattice and time step are refined once more together, to check the method of one key at a time.
+the end model settings and time step are refined once more together, to check the method of one key at a time.
 """
 
 import math
@@ -55,7 +55,7 @@ class Convergence:
         trials: all trials in order, with the largest change of a metric from the previous value.
         accepted: accepted value of each key.
         open: keys that did not converge.
-        together: largest change if lattice and time step are refined once more together.
+        together: largest change if model settings and time step are refined once more together.
     """
 
     tolerance: float
@@ -231,6 +231,6 @@ def verdict(found: Convergence) -> list[str]:
     """The result as lines of text."""
     tolerance = f"{100.0 * found.tolerance:g} %"
     lines = [f"NOT converged to {tolerance} at the finest value: {key}" for key in found.open]
-    lines.append(f"lattice and time step refined once more together: change of {100.0 * found.together:.3g} %")
+    lines.append(f"model settings and time step refined once more together: change of {100.0 * found.together:.3g} %")
     lines.append(f"converged to {tolerance}{', except for the keys named above' if found.open else ' in every key'}:")
     return [*lines, " ".join(f"--set {setting}" for setting in found.settings)]
