@@ -14,7 +14,7 @@ from taichiflap.maps.design import design
 from taichiflap.maps.outcome import Outcome
 from taichiflap.march.series import Series
 from taichiflap.metrics.beats import whole_beats
-from taichiflap.metrics.names import QUANTITIES
+from taichiflap.metrics.names import METRICS
 from taichiflap.metrics.summary import summarise
 from taichiflap.plots import maps as pictures
 from taichiflap.run import limits
@@ -149,7 +149,7 @@ KEPT = ("force_vertical_mean", "power_mean", "tip_peak_mean", "force_coefficient
 def filled(vary, tips, coefficients, residuals=(0.0,) * 12):
     case = hawkmoth("solver=dbet")
     planned = design(case, vary)
-    sheet = maps.create(None, case, planned, {name: QUANTITIES[name] for name in KEPT})
+    sheet = maps.create(None, case, planned, {name: METRICS[name] for name in KEPT})
     rows = zip(np.arange(1.0, 13.0), np.ones(12), tips, coefficients, residuals, np.ones(12), strict=True)
     sheet.record(range(12), [Outcome(dict(zip(KEPT, map(float, row), strict=True))) for row in rows])
     return sheet

@@ -19,7 +19,7 @@ from taichiflap.files import OutputError
 from taichiflap.maps import file as maps
 from taichiflap.maps.design import Spread, design
 from taichiflap.maps.outcome import Outcome
-from taichiflap.metrics.names import QUANTITIES
+from taichiflap.metrics.names import METRICS
 from taichiflap.plots import formats
 from taichiflap.plots import maps as map_plots
 from taichiflap.plots import result as plots
@@ -103,7 +103,7 @@ def test_a_range_of_a_key_goes_by_what_it_may_hold_and_not_by_what_it_holds(key,
 def filled(vary, kept=("force_vertical_mean", "power_mean"), sample=None):
     case = hawkmoth(*SHORT)
     planned = design(case, vary, sample)
-    sheet = maps.create(None, case, planned, {name: QUANTITIES[name] for name in kept})
+    sheet = maps.create(None, case, planned, {name: METRICS[name] for name in kept})
     last = planned.size - 1
     outcomes = [Outcome(dict.fromkeys(kept, 1.0 + n)) for n in range(last)] + [Outcome(reason='it, "failed"')]
     sheet.record(range(planned.size), outcomes)

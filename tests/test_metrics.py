@@ -114,7 +114,7 @@ def test_a_run_without_frames_has_no_beats():
 
 
 def test_every_quantity_has_the_units_of_what_it_is_taken_of():
-    units = {name: one.units for name, one in quantities.QUANTITIES.items()}
+    units = {name: one.units for name, one in quantities.METRICS.items()}
     for name in metrics.MEANS:
         assert units[f"{name}_mean"] == units[f"{name}_spread"] == units[f"{name}_error"] == VARIABLES[name].units
     for name in metrics.WAVING:
@@ -492,7 +492,7 @@ def test_metrics_that_a_case_cannot_have_are_not_offered(settings, lacking, havi
     assert set(having) <= set(offered)
     assert not set(lacking) & set(offered)
     for name in lacking:
-        with pytest.raises(quantities.QuantityError, match=f"metric {name}: not defined (in hover|where|without)"):
+        with pytest.raises(quantities.MetricError, match=f"metric {name}: not defined (in hover|where|without)"):
             quantities.choose([name], [case])
         # It is offered where another case of the study has it.
         other = hawkmoth("fluid.velocity=[1.0, 0.0]", "fluid.viscosity=1.5e-5", "body.mass=1.6e-3")
@@ -504,7 +504,7 @@ def test_what_is_defined_nowhere_in_a_summary_is_not_offered_and_the_rest_is():
     for settings in ((), ("fluid.velocity=[1.0, 0.5]",), ("fluid.density=0.0",)):
         case = hawkmoth("time.periods=4", *settings)
         made = synthetic(case, **dict.fromkeys(("power", "force_y", "force_z", "tip_deflection"), np.cos))
-        (values,) = quantities.measure(metrics.Alone(made), list(quantities.QUANTITIES))
+        (values,) = quantities.measure(metrics.Alone(made), list(quantities.METRICS))
         known = {name for name, value in values.items() if np.isfinite(value)}
         assert known <= set(quantities.choose((), [case]))
 

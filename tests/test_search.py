@@ -11,7 +11,7 @@ from taichiflap.maps import file as maps
 from taichiflap.maps.design import DesignError, design
 from taichiflap.maps.file import MapError
 from taichiflap.maps.outcome import Outcome
-from taichiflap.metrics.names import QUANTITIES, QuantityError, choose, gains, shown
+from taichiflap.metrics.names import METRICS, MetricError, choose, gains, shown
 from taichiflap.metrics.pareto import pareto_front
 from taichiflap.plots import maps as map_plots
 from taichiflap.studies import converge as convergence
@@ -30,7 +30,7 @@ def pretend(monkeypatch, metrics):
 
     def compute(cases, *_):
         asked.extend(cases)
-        return [Outcome(dict.fromkeys(QUANTITIES, 1.0) | metrics(case)) for case in cases]
+        return [Outcome(dict.fromkeys(METRICS, 1.0) | metrics(case)) for case in cases]
 
     monkeypatch.setattr("taichiflap.studies.sweep.compute", compute)
     return asked
@@ -184,7 +184,7 @@ def test_an_objective_that_is_defined_nowhere_ends_the_search_at_its_first_gener
 
 def test_a_condition_that_is_defined_nowhere_is_refused_before_any_case(monkeypatch):
     asked = pretend(monkeypatch, lambda _: {"power_mean": 1.0})
-    with pytest.raises(QuantityError, match="metric lift_mean: not defined in hover"):
+    with pytest.raises(MetricError, match="metric lift_mean: not defined in hover"):
         optimise(hawkmoth(*SHORT), RANGES, minimise="power_mean", subject_to=["lift_mean >= 1"], population=5)
     assert not asked
 
@@ -201,7 +201,7 @@ def test_a_case_without_the_objective_is_never_the_best(monkeypatch):
 
 def test_convergence_of_what_is_not_defined_is_refused(monkeypatch):
     asked = pretend(monkeypatch, lambda _: {"force_normal_phase": np.nan, "force_normal_peak_mean": 1.0})
-    with pytest.raises(QuantityError, match="metric thrust_mean: not defined in hover"):
+    with pytest.raises(MetricError, match="metric thrust_mean: not defined in hover"):
         converge(hawkmoth(*SHORT), metrics=["thrust_mean"])
     assert not asked
     with pytest.raises(UserError, match="metric force_normal_phase: undefined in this case"):
@@ -287,7 +287,7 @@ def filled(vary, values, sample=None, case=None):
     """A map in memory that holds given values of lift and power."""
     case = case or hawkmoth()
     planned = design(case, vary, sample)
-    kept = {name: QUANTITIES[name] for name in choose((), list(planned.examples(case)))}
+    kept = {name: METRICS[name] for name in choose((), list(planned.examples(case)))}
     sheet = maps.create(None, case, planned, kept)
     others = dict.fromkeys(kept, 1.0) | {"tip_peak_mean": 1e-3, "energy_residual": 0.0}
     sheet.record(range(planned.size), [Outcome(others | values(i)) for i in range(planned.size)])

@@ -172,7 +172,7 @@ def test_a_motion_that_does_not_repeat_has_means_and_no_harmonics():
 def test_names_of_metrics_in_any_order_of_words():
     assert quantities.resolve("vertical_force_mean") == "force_vertical_mean"
     assert quantities.choose(["mean_power", "power_mean"]) == ["power_mean"]
-    with pytest.raises(quantities.QuantityError, match=r"did you mean force_vertical_mean\?"):
+    with pytest.raises(quantities.MetricError, match=r"did you mean force_vertical_mean\?"):
         quantities.resolve("vertical_forc_mean")
 
 

@@ -15,7 +15,7 @@ import taichiflap
 from taichiflap import cli
 from taichiflap.commands import interrupts, progress
 from taichiflap.maps.outcome import Outcome
-from taichiflap.metrics.names import QUANTITIES
+from taichiflap.metrics.names import METRICS
 
 pytestmark = pytest.mark.slow
 
@@ -107,7 +107,7 @@ def test_what_does_not_converge_is_exit_code_1(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
         "taichiflap.studies.sweep.compute",
-        lambda cases, *_: [Outcome(dict.fromkeys(QUANTITIES, float(one.dbet.elements))) for one in cases],
+        lambda cases, *_: [Outcome(dict.fromkeys(METRICS, float(one.dbet.elements))) for one in cases],
     )
     assert app("converge", DBET, *SHORT, "--metric=power_mean") == 1
     assert "NOT converged to 1 % at the finest value: dbet.elements" in capsys.readouterr().out

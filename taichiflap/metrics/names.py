@@ -52,11 +52,11 @@ OF_SPEED = ("lift_coefficient", "power_coefficient")
 """Prefixes of metrics that are undefined under each condition."""
 
 
-class QuantityError(UserError):
+class MetricError(UserError):
     """Raised for an unknown metric; one sentence with the nearest names."""
 
 
-def _quantities() -> Iterator[tuple[str, str, str]]:
+def _metrics() -> Iterator[tuple[str, str, str]]:
     """Name, units and description of every metric."""
     for field, hint in typing.get_type_hints(Summary, include_extras=True).items():
         units = "".join(getattr(hint, "__metadata__", ()))
@@ -81,7 +81,10 @@ def _alternatives(hint: Any) -> tuple[Any, ...]:
     return typing.get_args(hint) or (hint,)
 
 
-QUANTITIES = {name: Variable((), units, text) for name, units, text in _quantities()}
+QuantityError = MetricError
+"""Its name until version 0.3."""
+
+METRICS = {name: Variable((), units, text) for name, units, text in _metrics()}
 """Every metric of a case, by name."""
 
 
@@ -92,15 +95,15 @@ def choose(names: Sequence[str], cases: Collection[Case] = ()) -> list[str]:
         cases: representative cases; metrics undefined for all of them are left out.
 
     Raises:
-        QuantityError: for an unknown metric, or one undefined for all cases.
+        MetricError: for an unknown metric, or one undefined for all cases.
     """
     chosen = list(dict.fromkeys(resolve(name) for name in names))
     lacking = [undefined(case) for case in cases]
     nowhere = {name: why for name, why in lacking[0].items() if all(name in one for one in lacking)} if lacking else {}
     for name in chosen:
         if name in nowhere:
-            raise QuantityError(f"metric {name}: not defined {nowhere[name]}")
-    return chosen or [name for name in QUANTITIES if name not in nowhere]
+            raise MetricError(f"metric {name}: not defined {nowhere[name]}")
+    return chosen or [name for name in METRICS if name not in nowhere]
 
 
 def undefined(case: Case) -> dict[str, str]:
@@ -128,7 +131,7 @@ def undefined(case: Case) -> dict[str, str]:
 
 
 def _beginning(starts: tuple[str, ...], where: str) -> dict[str, str]:
-    return {name: where for name in QUANTITIES if name.startswith(starts)}
+    return {name: where for name in METRICS if name.startswith(starts)}
 
 
 def shown(kept: Collection[str]) -> list[str]:
@@ -146,17 +149,17 @@ def resolve(name: str) -> str:
     """The metric for a name, with its words in any order.
 
     Raises:
-        QuantityError: if there is none.
+        MetricError: if there is none.
     """
-    if name in QUANTITIES:
+    if name in METRICS:
         return name
     words = sorted(name.split("_"))
-    for known in QUANTITIES:
+    for known in METRICS:
         if sorted(known.split("_")) == words:
             return known
-    near = difflib.get_close_matches(name, [*QUANTITIES, *map(_spoken, QUANTITIES)], 1, 0.5)
-    hint = f"did you mean {resolve(near[0])}?" if near else f"the metrics are {', '.join(QUANTITIES)}"
-    raise QuantityError(f"metric {name}: unknown; {hint}")
+    near = difflib.get_close_matches(name, [*METRICS, *map(_spoken, METRICS)], 1, 0.5)
+    hint = f"did you mean {resolve(near[0])}?" if near else f"the metrics are {', '.join(METRICS)}"
+    raise MetricError(f"metric {name}: unknown; {hint}")
 
 
 def _spoken(name: str) -> str:

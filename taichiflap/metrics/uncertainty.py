@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 
 
 def standard_errors(values: Array) -> Array:
-    """Standard errors of the means of several quantities, each with one value a beat.
+    """Standard errors of the means of several variables, each with one value per beat.
 
     A beat resembles the one before: the flow that it meets is that beat's wake. Beats with correlation `r` between
     neighbours are worth `n (1 - r) / (1 + r)` independent ones. The correlation found in few beats is too low by about

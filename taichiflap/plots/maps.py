@@ -54,7 +54,7 @@ def plot(
 
     Raises:
         MapError: when the map has no metric to draw, or not one that is asked for.
-        QuantityError: for a name that is no metric.
+        MetricError: for a name that is no metric.
         OutputError: when a file exists already or cannot be written, or there is no such style.
     """
     stem, kinds = formats.asked(stem)

@@ -14,7 +14,7 @@ from pathlib import Path
 from .. import fluids
 from ..case.case import Case
 from ..errors import UserError
-from ..metrics.names import QUANTITIES, choose
+from ..metrics.names import METRICS, choose
 from ..notation import fraction
 from .ledger import Ledger, Point
 
@@ -206,7 +206,7 @@ class _Search:
 
     def _scale(self, name: str) -> float:
         """Minimum scale of a metric."""
-        return LEAST * self.peak if name.endswith("_mean") and QUANTITIES[name].units == "N" else 0.0
+        return LEAST * self.peak if name.endswith("_mean") and METRICS[name].units == "N" else 0.0
 
     def _tell(self, trial: Trial) -> None:
         self.found.trials.append(trial)
@@ -221,7 +221,7 @@ def _share(first: float, second: float, least: float) -> float:
 
 def line(trial: Trial) -> str:
     """A trial as a line of the table."""
-    units = {name: fraction(QUANTITIES[name].units) for name in trial.metrics}
+    units = {name: fraction(METRICS[name].units) for name in trial.metrics}
     values = "".join(f"  {name} {value:.6g} {units[name]}".rstrip() for name, value in trial.metrics.items())
     change = "" if trial.change != trial.change else f"  changed by {100.0 * trial.change:.3g} %"
     return f"{trial.key:<22}{trial.value:>8}{values}{change}"

@@ -54,7 +54,7 @@ def read_expression(text: str) -> Expression:
 
     Raises:
         ExpressionError: for anything else.
-        QuantityError: for an unknown metric.
+        MetricError: for an unknown metric.
     """
     tree = _parse(text)
     if isinstance(tree, ast.Compare):
@@ -69,7 +69,7 @@ def read_constraint(text: str) -> Expression:
     weight.
 
     Raises:
-        ExpressionError, QuantityError: as in `read_expression`, and for anything but one comparison.
+        ExpressionError, MetricError: as in `read_expression`, and for anything but one comparison.
     """
     tree = _parse(text)
     if not isinstance(tree, ast.Compare) or len(tree.ops) != 1 or type(tree.ops[0]) not in _SIGNS:

@@ -11,7 +11,7 @@ from ..maps import file as maps
 from ..maps.design import Axis, Design, Value
 from ..maps.file import MapError
 from ..maps.outcome import Outcome
-from ..metrics.names import QUANTITIES
+from ..metrics.names import METRICS
 from .sweep import Progress, fill
 
 Point = tuple[Value, ...]
@@ -51,7 +51,7 @@ class Ledger:
             self._check(case, metrics)
         else:
             design = Design(tuple(Axis(key, (value,)) for key, value in first.items()), grid=False)
-            self.sheet = maps.create(path, case, design, {name: QUANTITIES[name] for name in metrics})
+            self.sheet = maps.create(path, case, design, {name: METRICS[name] for name in metrics})
         self.sheet.case = case  # it has the files of its tables, which a map lacks
         columns = [axis.values for axis in self.sheet.design.axes]
         self._numbers: dict[Point, int] = {point: i for i, point in enumerate(zip(*columns, strict=True))}

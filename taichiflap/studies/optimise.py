@@ -10,7 +10,7 @@ import numpy as np
 from ..case.case import Case
 from ..errors import UserError
 from ..maps.design import Axis, Design, DesignError, Spread, Value
-from ..metrics.names import QUANTITIES, choose, shown
+from ..metrics.names import METRICS, choose, shown
 from ..notation import fraction, short
 from ..run.warnings import too_bent
 from .expression import Expression, read_constraint, read_expression
@@ -242,7 +242,7 @@ def verdict(best: Optimum | None, path: Path) -> list[str]:
     """The result of the search as lines of text."""
     if best is None:
         return ["no case completed, so that there is no best case; widen the ranges or reduce the time step"]
-    units = {name: fraction(QUANTITIES[name].units) for name in shown(best.metrics)}
+    units = {name: fraction(METRICS[name].units) for name in shown(best.metrics)}
     lines = [f"  {name:<24}{best.metrics[name]:.6g} {unit}".rstrip() for name, unit in units.items()]
     stopped = "the population converged" if best.converged else "the last generation was reached"
     return [

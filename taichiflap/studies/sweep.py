@@ -16,7 +16,7 @@ from ..maps import file as maps
 from ..maps.design import Design, design
 from ..maps.file import Map, MapError
 from ..maps.outcome import Outcome
-from ..metrics.names import QUANTITIES, choose
+from ..metrics.names import METRICS, choose
 from . import workers
 from .batch import Batch, batches, compute, whole_work
 
@@ -114,7 +114,7 @@ def prepare(
 
     Raises:
         MapError: if the file belongs to another study.
-        QuantityError: for an unknown metric.
+        MetricError: for an unknown metric.
     """
     chosen = choose(metrics, list(planned.examples(case)))
     if keep not in (None, "series"):
@@ -128,7 +128,7 @@ def prepare(
             sheet.close()
             raise
     else:
-        kept = {name: QUANTITIES[name] for name in chosen}
+        kept = {name: METRICS[name] for name in chosen}
         sheet = maps.create(path, case, planned, kept, series=keep is not None)
     sheet.case = case  # which knows the files of its tables, as the map does not
     return sheet
