@@ -3,8 +3,27 @@
 import numpy as np
 import pytest
 
-from taichiflap.kernels.linear import solve_few, solve_systems
-from taichiflap.kernels.runtime import Floats3, start, ti
+from taichiflap.kernels.linear import octets, solve, solve_few
+from taichiflap.kernels.runtime import Floats3, Octet, Octets2, Octets3, start, ti, view
+
+
+@ti.kernel
+def solve_all(a: Octets3, x: Floats3, factor: Octets2):
+    for i in range(1):
+        for b in range(a.shape[0]):
+            solve(a, x, factor, b, x.shape[2], x.shape[1])
+
+
+def solve_systems(matrix, rhs):
+    """Solutions of a batch of systems, shape (systems, n, columns), by the solver's elimination."""
+    start()
+    x = np.ascontiguousarray(np.swapaxes(rhs, 1, 2))
+    systems, _, n = x.shape
+    a = ti.ndarray(Octet, (systems, n, octets(n) + octets(x.shape[1])))
+    rows = view(a).reshape(systems, n, -1)
+    rows[:, :, :n], rows[:, :, n:] = matrix, 0.0
+    solve_all(a, x, ti.ndarray(Octet, (systems, n)))
+    return np.swapaxes(x, 1, 2)
 
 
 @pytest.mark.parametrize("n", [1, 2, 7, 8, 9, 16, 50])

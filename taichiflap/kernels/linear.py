@@ -4,10 +4,7 @@ The matrix of a system of `n` unknowns is stored as `n` rows of ceil(n/8) octets
 behind them. A panel's eight pivot rows stay in registers, so that every row below is read once instead of eight times.
 """
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from .runtime import LANE, Floats3, Octet, Octets2, Octets3, View, start, tasks, ti, view
+from .runtime import View, ti
 
 
 def octets(n: int) -> int:
@@ -131,33 +128,3 @@ def solve_few(a: View, b, n):
                     a[b, i, j] = a[b, i, j] - factor * a[b, k, j]
     for k in range(n):
         a[b, k, n] = a[b, k, n] / a[b, k, k]
-
-
-@ti.kernel
-def _solve_all(a: Octets3, x: Floats3, factor: Octets2, lanes: ti.i32):
-    for i in range(lanes * LANE):
-        if i % LANE == 0:
-            lane = i // LANE
-            for m in range((a.shape[0] - lane + lanes - 1) // lanes):
-                solve(a, x, factor, lane + m * lanes, x.shape[2], x.shape[1])
-
-
-def solve_systems(matrix: ArrayLike, rhs: ArrayLike) -> NDArray[np.float64]:
-    """Solve a batch of systems with the solver's own elimination.
-
-    Args:
-        matrix: shape (systems, n, n).
-        rhs: shape (systems, n, columns).
-
-    Returns:
-        Solutions, shape (systems, n, columns).
-    """
-    start()
-    x = np.ascontiguousarray(np.swapaxes(np.asarray(rhs, dtype=np.float64), 1, 2))
-    systems, _, n = x.shape
-    a = ti.ndarray(Octet, (systems, n, octets(n) + octets(x.shape[1])))
-    rows = view(a).reshape(systems, n, -1)
-    rows[:, :, :n] = matrix
-    rows[:, :, n:] = 0.0
-    _solve_all(a, x, ti.ndarray(Octet, (systems, n)), tasks(systems))
-    return np.swapaxes(x, 1, 2)
