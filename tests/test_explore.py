@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import viser
 from conftest import CASES, hawkmoth
-from taichiflap_viewer.explore.change import BEATS, brief, changed, short_text
+from taichiflap_viewer.explore.change import BEATS, History, brief, changed, short_text
 from taichiflap_viewer.explore.keys import CHOICE, FIRST, NUMBER, SWITCH, WHOLE, controls, value_of
 from taichiflap_viewer.explore.viewer import Explorer
 from taichiflap_viewer.explore.worker import BEGUN, Worker, received
@@ -67,6 +67,24 @@ def test_an_explored_case_has_a_few_beats_and_its_settings_lead_back_to_it():
     assert brief(hawkmoth("time.periods=2")).time.periods == 2
     for key, value in (("wing.youngs_modulus", 1.5e10), ("uvlm.suction", True), ("solver", "dbet")):
         assert value_of(case.override(f"{key}={short_text(value)}"), key) == value
+
+
+def test_a_model_that_needs_a_viscosity_is_given_one_also_without_beats():
+    for name, viscosity in (("hawkmoth", 1.5e-5), ("pitch_ramp", 1e-6)):
+        case = load_case(CASES / f"{name}.toml")
+        viscous = changed(case, {"solver": "navier_stokes"})
+        assert viscous.fluid.viscosity == (case.fluid.viscosity or viscosity)
+        assert viscous.steps > 0
+
+
+def test_undo_and_redo_lead_through_the_cases_and_no_further():
+    first, second, third = (hawkmoth(f"time.periods={number}") for number in (1, 2, 3))
+    past = History(first)
+    past.add(second)
+    assert [past.undo(), past.undo(), past.redo(), past.redo()] == [first, first, second, second]
+    past.undo()
+    past.add(third)
+    assert [past.redo(), past.undo()] == [third, first]
 
 
 class Browser:
