@@ -304,8 +304,9 @@ class ExploreSession(Session):
             self._refresh()
             if old not in (self.run, self.pinned):
                 self._drop(old)
-        # The picture does not wait for the numbers.
-        with self._lock, self.client.atomic():
+        # The picture goes out at once, and does not wait for the numbers.
+        self.client.flush()
+        with self._lock:
             self._tell()
 
     def _refresh(self) -> None:
