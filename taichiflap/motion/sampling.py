@@ -93,7 +93,11 @@ def typical_speed(motion: Motion, behind: float, stream: tuple[float, float], ti
     Args:
         behind: distance of the trailing edge behind the pivot, m.
     """
-    moved = sample(motion, times)
+    return speed_of(sample(motion, times), behind, stream)
+
+
+def speed_of(moved: Array, behind: float, stream: tuple[float, float]) -> float:
+    """What `typical_speed` gives, of a motion that is sampled already."""
     turned = np.stack((np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])), axis=1)
     return rms_speed(moved[:, PLUNGE_RATE], moved[:, PITCH_RATE], moved[:, SURGE_RATE], turned, behind, stream)
 
@@ -144,25 +148,25 @@ def turned_at_steps(pitch: Travel, frequency: float | None, growth: float, step:
     return found
 
 
-def flow_to_chord(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> tuple[Array, Array]:
-    """Velocity (m/s) of the stream relative to the rigid chord at `times`, along it and across it.
+def flow_to_chord(moved: Array, behind: float, stream: tuple[float, float]) -> tuple[Array, Array]:
+    """Velocity (m/s) of the stream relative to the rigid chord, along it and across it.
 
     Args:
+        moved: motion as `sample` returns it.
         behind: distance of the point on the chord behind the pivot, m.
     """
-    moved = sample(motion, times)
     cosine, sine = np.cos(moved[:, PITCH]), np.sin(moved[:, PITCH])
     stream_y, stream_z = stream[0] - moved[:, SURGE_RATE], stream[1] - moved[:, PLUNGE_RATE]
     along = stream_y * cosine + stream_z * sine
     return along, stream_z * cosine - stream_y * sine - behind * moved[:, PITCH_RATE]
 
 
-def typical_angle(motion: Motion, behind: float, stream: tuple[float, float], times: Array) -> float:
-    """Mean angle of attack (degrees) of the rigid chord over `times`, weighted by the square of the speed.
+def typical_angle(moved: Array, behind: float, stream: tuple[float, float]) -> float:
+    """Mean angle of attack (degrees) of the rigid chord, weighted by the square of the speed.
 
     Arguments as of `flow_to_chord`.
     """
-    along, across = flow_to_chord(motion, behind, stream, times)
+    along, across = flow_to_chord(moved, behind, stream)
     pressure = along**2 + across**2
     if not pressure.any():
         return 0.0

@@ -1,5 +1,6 @@
 """Warnings about valid cases, and their results, that are outside the models' range of validity."""
 
+import functools
 import math
 from collections.abc import Iterator
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from .. import fluids
 from ..case.case import Case
+from ..case.motion import Motion
 from ..case.solver import ELSEWHERE
 from ..metrics.summary import Summary
 from ..motion import sampling
@@ -72,7 +74,7 @@ def outcome(case: Case, tip_deflection: NDArray[np.float64], summary: Summary | 
     model = fluids.load(case.solver)
     attached = model.attached_in(case)
     if attached is not None:
-        angle = sampling.typical_angle(case.motion, _middle(case), case.fluid.velocity, _last_beat(case))
+        angle = sampling.typical_angle(_last_beat(case), _middle(case), case.fluid.velocity)
         if angle > attached:
             found.append(
                 f"angle of attack reaches {angle:.0f} deg at high speed; above about {attached:g} deg the flow "
@@ -124,7 +126,7 @@ def _of_direction(case: Case) -> Iterator[str]:
     model, streams = fluids.load(case.solver), case.fluid.streams
     if streams and not model.sheds_behind:
         return
-    along, across = sampling.flow_to_chord(case.motion, _middle(case), case.fluid.velocity, _last_beat(case))
+    along, across = sampling.flow_to_chord(_last_beat(case), _middle(case), case.fluid.velocity)
     speed = math.sqrt(float(np.mean(along**2 + across**2)))
     if not speed or np.mean(along) >= BACKWARDS * speed:
         return
@@ -161,7 +163,7 @@ def _of_mass(case: Case) -> Iterator[str]:
 
 def _of_speed(case: Case) -> Iterator[str]:
     chord = case.wing.chord
-    speed = sampling.typical_speed(case.motion, (1.0 - case.wing.pivot) * chord, case.fluid.velocity, _last_beat(case))
+    speed = sampling.speed_of(_last_beat(case), (1.0 - case.wing.pivot) * chord, case.fluid.velocity)
     fluid = "air" if case.fluid.density < GAS else "water"
     fastest, there = FASTEST[fluid]
     if speed > fastest:
@@ -176,7 +178,15 @@ def _of_speed(case: Case) -> Iterator[str]:
 
 
 def _last_beat(case: Case) -> NDArray[np.float64]:
-    return np.linspace(max(0.0, case.duration - case.beat), case.duration, TIMES)
+    """Motion over the last beat, as `sampling.sample` returns it."""
+    return _sampled(case.motion, max(0.0, case.duration - case.beat), case.duration)
+
+
+@functools.lru_cache(maxsize=16)
+def _sampled(motion: Motion, first: float, last: float) -> NDArray[np.float64]:
+    found = sampling.sample(motion, np.linspace(first, last, TIMES))
+    found.setflags(write=False)
+    return found
 
 
 def _middle(case: Case) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...case.case import Case
 from ...motion.gust import gust_velocity
-from ...motion.sampling import typical_angle
+from ...motion.sampling import sample, typical_angle
 from ...structure.beam import Modes
 from ..interface import WAKE, Array, Flow, Model, Output, Refinement, Velocity, standard
 from . import stations
@@ -83,7 +83,7 @@ class Uvlm(Model):
             )
         middle = (0.5 - case.wing.pivot) * case.wing.chord
         times = case.duration - case.beat * np.linspace(0.0, 1.0, MOMENTS)
-        angle = typical_angle(case.motion, middle, case.fluid.velocity, times)
+        angle = typical_angle(sample(case.motion, times), middle, case.fluid.velocity)
         if uvlm.suction_limit == 0.0 and any(case.fluid.velocity) and angle < ATTACHED:
             found.append(
                 f"uvlm.suction_limit = 0 sheds at every angle, but at {angle:.2g} deg the flow would stay attached "
