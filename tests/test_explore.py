@@ -220,6 +220,11 @@ def test_a_browser_compares_models_and_takes_other_cases(tmp_path, capfd):
             one._change(values, "wing.modes")
             settled(one)
         assert one.run.has_wake
+        # The page offers and shows what this model has, which DBET has not.
+        assert one.playback.layers["wake"]
+        assert one.panel.layers["wake"].value
+        assert not one.panel.layers["wake"].disabled
+        assert not one.panel.background.disabled
         assert "uvlm.panels" in one.sliders.keys
         one._pin()
         assert one.pinned is one.run

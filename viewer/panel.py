@@ -43,21 +43,12 @@ class Panel:
             reset.on_click(lambda _: act("reset", None))
             self.motion = Motion(client, run.case)
             self.background = gui.add_dropdown("Background", BACKGROUNDS, initial_value=playback.background)
-            if not run.draws_flow:
-                self.background.disabled = True
-                self.background.hint = f"{run.case.model} does not provide the flow around the wing"
             self._listen(self.background, "background")
             self.layers = {}
             for name, (title, hint) in LAYERS.items():
-                missing = (
-                    (name == "wake" and not run.has_wake)
-                    or (name == "sheets" and not run.has_sheets)
-                    or (name == "stroke" and run.path is None)
-                    or (name in ("arrows", "streamlines", "streaks") and not run.draws_flow)
-                    or (name == "streamlines" and not run.has_streamlines)
-                )
-                self.layers[name] = gui.add_checkbox(title, playback.layers[name], disabled=missing, hint=hint)
+                self.layers[name] = gui.add_checkbox(title, playback.layers[name], hint=hint)
                 self._listen(self.layers[name], name)
+            self.suit(run)
             self.dark = gui.add_checkbox("Dark", playback.dark)
             self._listen(self.dark, "dark")
         self._legend_panel = gui.add_panel()
@@ -81,6 +72,19 @@ class Panel:
             if event.client is not None:
                 self._act(name, event.target.value)
 
+    def suit(self, run: Run) -> None:
+        """Offer the layers and backgrounds that a run has."""
+        self._run = run
+        without = "" if run.draws_flow else f"{run.case.model} does not provide the flow around the wing"
+        for handle, missing in (
+            (self.background, bool(without)),
+            *((handle, _is_missing(run, name)) for name, handle in self.layers.items()),
+        ):
+            if handle.disabled != missing:
+                handle.disabled = missing
+        if (self.background.hint or "") != without:
+            self.background.hint = without or None
+
     def take(self, playback: Playback) -> None:
         """Restore the controls after a reconnection."""
         choices: list[tuple[Any, Any]] = [
@@ -98,3 +102,14 @@ class Panel:
             self.follow.value = playback.follow
         if self.follow.visible != self._run.live:
             self.follow.visible = self._run.live
+
+
+def _is_missing(run: Run, layer: str) -> bool:
+    """Whether a run has nothing to show in a layer."""
+    return (
+        (layer == "wake" and not run.has_wake)
+        or (layer == "sheets" and not run.has_sheets)
+        or (layer == "stroke" and run.path is None)
+        or (layer in ("arrows", "streamlines", "streaks") and not run.draws_flow)
+        or (layer == "streamlines" and not run.has_streamlines)
+    )

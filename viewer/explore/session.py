@@ -313,6 +313,8 @@ class ExploreSession(Session):
         """Show new data, in the existing scene if it has the same properties."""
         self.charts.runs = [self.run, self.pinned]
         if self._signature(self.run) != self._shape:
+            if self.run.case.model != self._shape[-1]:
+                self._suit()
             self._build()
         else:
             for actor, run in zip(self.actors, (self.run, self.pinned), strict=True):
@@ -320,6 +322,14 @@ class ExploreSession(Session):
         self.charts.read_again(self.playback)
         self._beside = 0.0
         self.show()
+
+    def _suit(self) -> None:
+        """Show of another model what its own results show at first."""
+        usual, playback = opening([self.run]), self.playback
+        playback.layers = usual.layers | {"riding": playback.layers["riding"]}
+        playback.background = usual.background
+        self.panel.suit(self.run)
+        self.panel.take(playback)
 
     def _drop(self, run: Run) -> None:
         if run is not self.base:

@@ -6,6 +6,7 @@ so that results appear while a slider is dragged.
 
 import contextlib
 import itertools
+import math
 import multiprocessing
 import os
 import signal
@@ -32,8 +33,8 @@ DEEPEST = 3
 """Runs at most that stand still for another's, one inside the other."""
 SHORT = 0.3
 """A run that takes fewer seconds, probably, is handed over in memory: its file takes longer than its flow."""
-PAIRS_A_SECOND = 1e9
-"""Approximate speed of a run, pair interactions a second."""
+FIRST_PACE = 3e-9
+"""Time of a pair interaction, s, by which the first run of a model is judged."""
 BEGUN = "begun"
 """Reason text of a file that is still being written."""
 
@@ -169,6 +170,7 @@ class _Desk:
     def __init__(self, pipe: Any, wanted: Any, folder: Path, threads: int | None) -> None:
         self._pipe, self._wanted, self._folder, self._threads = pipe, wanted, folder, threads
         self._wishes: dict[int, tuple[int, dict[str, Any]]] = {}
+        self._paces: dict[str, float] = {}
         self._depth = 0
 
     def serve(self) -> None:
@@ -193,8 +195,6 @@ class _Desk:
     def _compute(self, place: int, number: int, document: dict[str, Any]) -> tuple[Found, str, float]:
         from taichiflap import simulate  # noqa: PLC0415 - in this process alone
 
-        case = parse_case(document)
-        short = _seconds(case) < SHORT
         path = self._folder / f"{number}.h5"
         began, others, told = time.perf_counter(), 0.0, False
 
@@ -212,6 +212,9 @@ class _Desk:
             others += self._let_others_go_first()
 
         try:
+            case = parse_case(document)
+            pairs = _pairs(case)
+            short = pairs * self._paces.get(case.solver, FIRST_PACE) < SHORT
             result = simulate(case, None if short else path, threads=self._threads, progress=progress)
             if not short:
                 result.close()
@@ -220,7 +223,10 @@ class _Desk:
         except (UserError, OSError, ValueError, RuntimeError) as error:
             reason = str(error) or type(error).__name__
         else:
-            return result if short else path, "", time.perf_counter() - began - others
+            taken = time.perf_counter() - began - others
+            # The fastest run so far: others were compiled, or shared the processors.
+            self._paces[case.solver] = min(self._paces.get(case.solver, math.inf), taken / max(pairs, 1.0))
+            return result if short else path, "", taken
         for left in self._folder.glob(f"{path.name}*"):
             left.unlink(missing_ok=True)
         return None, reason, time.perf_counter() - began - others
@@ -238,7 +244,7 @@ class _Desk:
         return time.perf_counter() - began
 
 
-def _seconds(case: Case) -> float:
-    """Estimated time of a case."""
+def _pairs(case: Case) -> float:
+    """Pair interactions of a case, about: the measure of what it costs."""
     resolved = case.resolved()
-    return fluids.load(case.solver).work(resolved, resolved.steps // 2) * resolved.steps / PAIRS_A_SECOND
+    return fluids.load(case.solver).work(resolved, resolved.steps // 2) * resolved.steps
