@@ -37,6 +37,8 @@ CONSTANTS = ("omega", "damping_ratio", "lam", "psi", "mass", "first_moment", "se
 class Series:
     """Variables of cases over the same steps, each an attribute of shape (cases, steps).
 
+    `taichiflap.results.variables` describes them, with their units and signs.
+
     Args:
         cases: either all in a free stream or none, and likewise with something that moves; all of as many modes.
         sections: their modes.
