@@ -25,7 +25,7 @@ import h5py
 
 import taichiflap
 from taichiflap.cli import main as command_line
-from taichiflap.results import checkpoint
+from taichiflap.results import checkpoint, layout
 from taichiflap.run import blocks
 from taichiflap.studies import batch
 
@@ -93,6 +93,7 @@ BLADES = [
 OPTIMISE = ["--maximise=force_vertical_mean", "--generations=2", "--population=5"]
 COMMANDS = {
     "simulate": ["simulate", *LATTICE, "-o", "run.h5"],
+    "simulate, compressed": ["simulate", *BLADES, "-o", "run.h5"],
     "sweep": ["sweep", *BLADES, "--vary=fluid.density=1:2:6", "-o", "map.h5"],
     "sweep --sample": ["sweep", *BLADES, "--vary=fluid.density=1:2", "--sample=lhs:6", "-o", "map.h5"],
     "sweep --keep series": ["sweep", *BLADES, "--vary=fluid.density=1:2:6", "--keep=series", "-o", "map.h5"],
@@ -136,7 +137,7 @@ def loaded():
     os.execv(sys.executable, [sys.executable, *sys.argv])
 
 
-def attempt(shim, folder, words, n, persists, told):
+def attempt(shim, folder, name, n, persists, told):
     """In a fork: a command whose n-th write is refused; its exit code, or minus the signal that ended it."""
     process = os.fork()
     if process:
@@ -145,10 +146,12 @@ def attempt(shim, folder, words, n, persists, told):
     os.chdir(folder)
     blocks.BLOCK_STEPS, checkpoint.SECONDS, batch.BATCH_WORK = 10, 0.0, 0.0
     batch.SHARES = 2
+    if "compressed" in name:
+        layout.LARGE = 64
     said, code = io.StringIO(), 0
     shim.arm(str(folder).encode(), n, persists)
     try:
-        sys.argv = ["taichiflap", *words]
+        sys.argv = ["taichiflap", *COMMANDS[name]]
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
             command_line()
     except SystemExit as error:
@@ -189,7 +192,7 @@ def trial(shim, folder, name, n, persists, whole):
         shutil.copy(whole, place / "whole.h5")
     told = folder / "told"
     told.unlink(missing_ok=True)
-    code = attempt(shim, place, COMMANDS[name], n, persists, told)
+    code = attempt(shim, place, name, n, persists, told)
     assert code >= 0, f"{name}, write {n}: ended by {signal.Signals(-code).name}"
     calls, _, said = told.read_text().partition("\n")
     assert "Traceback" not in said, f"{name}, write {n}:\n{said}"

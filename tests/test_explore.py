@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import viser
 from conftest import CASES, hawkmoth
-from taichiflap_viewer.explore.change import BEATS, History, brief, changed, short_text
+from taichiflap_viewer.explore.change import BEATS, History, addressed, brief, changed, short_text
 from taichiflap_viewer.explore.keys import CHOICE, FIRST, NUMBER, SWITCH, WHOLE, controls, value_of
 from taichiflap_viewer.explore.viewer import Explorer
 from taichiflap_viewer.explore.worker import BEGUN, Worker, received
@@ -67,6 +67,18 @@ def test_an_explored_case_has_a_few_beats_and_its_settings_lead_back_to_it():
     assert brief(hawkmoth("time.periods=2")).time.periods == 2
     for key, value in (("wing.youngs_modulus", 1.5e10), ("uvlm.suction", True), ("solver", "dbet")):
         assert value_of(case.override(f"{key}={short_text(value)}"), key) == value
+
+
+def test_an_address_gives_plain_values_and_names_no_file_or_module():
+    case = hawkmoth()
+    found = addressed(case, ["solver=dbet", "wing.youngs_modulus=15e9", "dbet.elements=40"])
+    assert (found.solver, found.wing.youngs_modulus, found.dbet.elements) == ("dbet", 15e9, 40)
+    for one in (
+        "solver=module:os", 'motion.plunge={kind="table",file="/etc/passwd"}', "motion.plunge.file=/etc/passwd",
+        'motion.plunge."file"=x', " solver = 'module:os'", "wing.span=[[0,1],[1,2]]",
+    ):  # fmt: skip
+        with pytest.raises(CaseError, match="an address gives plain values"):
+            addressed(case, [one])
 
 
 def test_a_model_that_needs_a_viscosity_is_given_one_also_without_beats():

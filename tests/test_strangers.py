@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import h5py
 import pytest
 from conftest import hawkmoth
+from taichiflap_viewer.explore.visit import Visit
 from taichiflap_viewer.maps.viewer import MapViewer
 
 import taichiflap
@@ -120,17 +121,24 @@ def _json(text):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["run.h5", "map.h5"])
-def test_no_module_is_imported_that_a_file_names(name, good, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("name", "step"), [("run.h5", "50"), ("map.h5", "50"), ("map.h5", '"auto"')])
+def test_no_module_is_imported_that_a_file_names(name, step, good, tmp_path, monkeypatch):
+    """Not even by an automatic step, which its model alone knows, or by the button to explore."""
     (tmp_path / "burglar.py").write_text("raise SystemExit('code of a stranger has run')\n")
     monkeypatch.syspath_prepend(tmp_path)
-    path = doctored(good, name, tmp_path, case=lambda text: text.replace('"dbet"', '"module:burglar"'))
+
+    def altered(text):
+        assert "steps_per_period = 50" in text
+        return text.replace('"dbet"', '"module:burglar"').replace("_period = 50", f"_period = {step}")
+
+    path = doctored(good, name, tmp_path, case=altered)
     with open_both(path) as file, watched() as found:
         if name == "run.h5":
             text = "\n".join(summary_lines(file))
             plot([file], tmp_path / "figure")
             for kind in ("csv", "html", "vtkhdf"):
                 export(file, kind, tmp_path / f"export.{kind}")
+            assert not Visit.may_explore([SimpleNamespace(live=False, case=file.case)])
         else:
             text = "\n".join(map_lines(file))
             map_plots.plot(file, tmp_path / "figure", False)
@@ -138,6 +146,16 @@ def test_no_module_is_imported_that_a_file_names(name, good, tmp_path, monkeypat
                 MapViewer.run(SimpleNamespace(path=path, trust=False), 0, None)
     assert "BURGLAR" in text
     assert not [one for one in found if "burglar" in one]
+    assert "burglar" not in sys.modules
+
+
+def test_a_result_whose_step_only_a_module_knows_is_refused_in_a_sentence(good, tmp_path):
+    path = doctored(
+        good, "run.h5", tmp_path,
+        case=lambda text: text.replace('"dbet"', '"module:burglar"').replace("_period = 50", '_period = "auto"'),
+    )  # fmt: skip
+    with pytest.raises(UserError, match=r"only the module of solver = .module:burglar. knows"), open_both(path) as file:
+        "".join(summary_lines(file))
     assert "burglar" not in sys.modules
 
 

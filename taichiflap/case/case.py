@@ -24,7 +24,7 @@ from .motion import Motion
 from .navier_stokes import NavierStokes
 from .output import Output
 from .schema import CaseTable, ModelTable, key, needed, optional_table
-from .solver import Solver, model_name
+from .solver import ELSEWHERE, Solver, model_name
 from .tables import Table
 from .tabulated import Origin, PointsError, reopened, with_points
 from .time import Time
@@ -118,13 +118,17 @@ class Case(CaseTable):
 
     @model_validator(mode="after")
     def _in_time(self) -> "Case":
+        if not self._step_is_unknown:
+            self._check_time()
+        return self
+
+    def _check_time(self) -> None:
         if self.steps > MAX_STEPS:
             product = "duration / time.step" if self.time.periods is None else "periods * time.steps_per_period"
             raise ValueError(f"time.{product} = {self.steps}; the limit is {MAX_STEPS} steps per case")
         for name, axis in (("plunge", self.motion.plunge), ("pitch", self.motion.pitch), ("surge", self.motion.surge)):
             if isinstance(axis, Table) and (problem := axis.problem(self.motion.frequency, self.duration)):
                 raise ValueError(f"motion.{name}: {problem}")
-        return self
 
     @property
     def model(self) -> str:
@@ -210,14 +214,31 @@ class Case(CaseTable):
         times = self.motion.growth * self.periodic + over * np.arange(MOMENTS) / MOMENTS
         return motion.typical_speed(self.motion, behind * self.wing.chord, self.fluid.velocity, times)
 
+    @property
+    def _step_is_unknown(self) -> bool:
+        """Whether the step is that of an external model that has not been imported: a stored case does not do it."""
+        if not self.solver.startswith(ELSEWHERE) or "auto" not in (self.time.step, self.time.steps_per_period):
+            return False
+        from .. import fluids  # noqa: PLC0415 - few cases ask
+
+        return fluids.known(self.solver) is None
+
     def matched_step(self) -> float:
-        """Time (s) in which the trailing edge travels the model's stride through the fluid."""
+        """Time (s) in which the trailing edge travels the model's stride through the fluid.
+
+        Raises:
+            ValueError: if nothing moves; CaseError, if only an external model that has not been imported knows it.
+        """
         from .. import fluids  # noqa: PLC0415 - only an automatic step needs them
 
+        model = fluids.known(self.solver)
+        if model is None:
+            why = f'time: only the module of solver = "{self.solver}" knows its automatic step, and no file imports it'
+            raise CaseError(self.title or "case", [why])
         speed = self._edge_speed(1.0 - self.wing.pivot)
         if not speed:
             raise ValueError('time: "auto" needs a moving wing or a stream; give the time step as a number')
-        return fluids.load(self.solver).stride(self) / speed
+        return model.stride(self) / speed
 
     def resolved(self) -> "Case":
         """The case with its automatic time step resolved and the fluid model's own defaults filled in."""
@@ -366,13 +387,23 @@ def parse_case(document: Mapping[str, Any], source: str = "case", folder: Path |
             names_no_file(document)
         else:
             document, origin = with_points(document, folder)
-        return Case.model_validate(document)._from(origin)
+        case = Case.model_validate(document)._from(origin)
+        if folder is not None and case._step_is_unknown:
+            from .. import fluids  # noqa: PLC0415 - few cases need it
+
+            fluids.load(case.solver)
+            case._check_time()
+        return case
     except (DocumentError, PointsError) as error:
         raise CaseError(source, [str(error)]) from None
     except ValidationError as error:
         found = [detail for detail in error.errors(include_url=False) if detail["type"] != "none_required"]
         problems = [describe(detail, document, Case) for detail in found]
         raise CaseError(source, list(dict.fromkeys(problems))) from None
+    except UserError:
+        raise
+    except ValueError as error:
+        raise CaseError(source, [str(error)]) from None
 
 
 def held_case(text: str, source: str) -> Case:

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from taichiflap.case.case import Case, CaseError
+from taichiflap.case.solver import ELSEWHERE
 
 from .keys import value_of
 
@@ -35,6 +36,20 @@ def changed(case: Case, values: dict[str, Any]) -> Case:
             raise
     viscosity = WATER if case.fluid.density > DENSE else AIR
     return case.changed({"fluid.viscosity": viscosity} | values)
+
+
+def addressed(first: Case, given: Iterable[str]) -> Case:
+    """The case of an address. Its settings are plain values, so that no address names a file or a module.
+
+    Raises:
+        CaseError: for any other setting, and for a value that is refused.
+    """
+    given = list(given)
+    for one in given:
+        key, _, value = one.partition("=")
+        if "file" in key or ELSEWHERE in value or value.strip().startswith(("[", "{")):
+            raise CaseError(first.title, [f"{key}: an address gives plain values, and names no file or module"])
+    return first.override(*given)
 
 
 def settings(first: Case, case: Case, keys: Iterable[str]) -> list[str]:

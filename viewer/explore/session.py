@@ -26,7 +26,7 @@ from ..server import notice
 from ..session import Session, opening
 from ..stage import Stage
 from ..timeline import Playback
-from .change import History, brief, changed, settings
+from .change import History, addressed, brief, changed, settings
 from .sliders import Sliders
 from .worker import BEGUN, LONG, Found, Worker, received
 
@@ -144,7 +144,7 @@ class ExploreSession(Session):
     def _take_address(self, chosen: dict[str, str]) -> None:
         if "set" in chosen:
             try:
-                self._choose(self.first.override(*chosen["set"].split(SEPARATOR)))
+                self._choose(addressed(self.first, chosen["set"].split(SEPARATOR)))
             except CaseError as error:
                 self._message.content = notice(str(error.problems[0]))
         super()._take_address(chosen)

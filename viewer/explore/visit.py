@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from taichiflap.case.case import Case
+from taichiflap.fluids import known
 
 from ..field import Fields
 from ..frames import Run
@@ -60,23 +61,24 @@ class Visit:
         """Check for new frames of the result, or its completion."""
         if self._explored is None:
             self._result.grow()
-            self._door.visible = self._may_explore
+            self._door.visible = self.may_explore(self.runs)
 
     def close(self) -> None:
         """Release the resources of this browser."""
         if self._explored:
             self._explored.close()
 
-    @property
-    def _may_explore(self) -> bool:
-        return len(self.runs) == 1 and not self.runs[0].live
+    @staticmethod
+    def may_explore(runs: Sequence[Run]) -> bool:
+        """Whether there are sliders: for one finished result, not for the code of an external model in its file."""
+        return len(runs) == 1 and not runs[0].live and known(runs[0].case.solver) is not None
 
     def _show_result(self, playback: Playback) -> Session:
         shown = Session(self.client, self.runs, playback, self.fields)
         self._door = self.client.gui.add_button(
             EXPLORE,
             order=-20.0,
-            visible=self._may_explore,
+            visible=self.may_explore(self.runs),
             hint="change the case with sliders, and see the result at once",
         )
         self._door.on_click(lambda _: self._explore())
