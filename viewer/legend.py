@@ -43,6 +43,9 @@ def legend(runs: list[Run], theme: Theme, background: Bar | None) -> str:
             parts.append("two sheets: " + " ".join(_swatch(colour) + edge for colour, edge in edges))
     elif not several and not runs[0].stores_vorticity:
         parts.append(f"{runs[0].case.model} has no wake.")
+    if not several and runs[0].draws_flow:
+        edges = zip(SHEETS, ("trailing edge", "leading edge"), strict=True)
+        parts.append("streak lines: " + " ".join(_swatch(colour) + edge for colour, edge in edges))
     if background:
         parts.append(bar_html(background))
     colours = (theme.force, theme.load, theme.velocity, theme.faint)

@@ -24,8 +24,8 @@ class NavierStokes(Model):
     stores_vorticity = True
     outputs = (
         *standard("pressure_jump", "shear"),
-        Output("friction_normal", (), "N", "part of force_normal due to friction", "F_N,f", _FRICTION),
-        Output("friction_axial", (), "N", "part of force_axial due to friction", "F_A,f", _FRICTION),
+        Output("friction_normal", (), "N", "part of the normal force due to friction", "F_N,f", _FRICTION),
+        Output("friction_axial", (), "N", "part of the axial force due to friction", "F_A,f", _FRICTION),
         Output(
             "courant", (), "1", "largest Courant number of a cell so far", "C",
             "looked at when fields are stored; beyond about 15 the first beat errs by more than a percent",
