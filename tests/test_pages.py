@@ -129,6 +129,7 @@ def folder(tmp_path_factory):
     """A folder with the files that the pages use: cases, results and a map."""
     folder = tmp_path_factory.mktemp("pages")
     shutil.copytree(CASES, folder / "cases")
+    shutil.copy(CASES / "measured_moth.csv", folder)  # as `init --from measured_moth` does
     short = hawkmoth("time.periods=3", "uvlm.panels=8", "uvlm.wake=40")
     for name, setting in (("hawkmoth", "wing.modes=1"), ("rigid", "wing.modes=0"), ("hawkmoth_dbet", "solver=dbet")):
         taichiflap.simulate(short.override(setting), folder / f"{name}.h5").close()

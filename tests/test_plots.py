@@ -104,7 +104,7 @@ def test_the_summary_holds_the_last_beat_of_both_results(lattice, blades):
     assert ["UVLM" in name for name in names] == [True, False]
     assert "a $x$ wing" in names[1]
     mean = metrics.summarise(lattice).force_vertical.mean
-    assert f"mean vertical force {1e3 * mean:.2f} mN" in names[0]
+    assert f"mean vertical force {1e3 * mean:.2f}\N{NO-BREAK SPACE}mN" in names[0]
 
 
 def test_results_of_one_title_are_told_apart_by_their_files(lattice, tmp_path):

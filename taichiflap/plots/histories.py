@@ -95,7 +95,8 @@ def summary(
         ):
             _shade(ax, results[0], length, many)
             named = f"{label} ({unit})" if unit else label
-            ax.set(ylabel=style.wrapped(named, 0.8 * row), xlim=(0.0, many * length))
+            named = style.wrapped(named, 0.8 * row) if width < style.NARROW else named
+            ax.set(ylabel=named, xlim=(0.0, many * length))
             ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
             if len(shown) > 1:
                 ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")

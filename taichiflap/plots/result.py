@@ -168,7 +168,7 @@ def _draw_key(figure: Figure, axes: Any, drawn: Any, flows: bool, saturated: boo
     ends = "both" if flows or saturated else "neither"
     bar = figure.colorbar(drawn, ax=axes, location=place, shrink=0.85, aspect=35, pad=0.015, extend=ends)
     key = "Vorticity, ω (s⁻¹)" if flows else "Circulation of wake vortices, Γ (m² s⁻¹)"
-    bar.set_label(f"{key}\npositive counter-clockwise")
+    bar.set_label(f"{style.wrapped(key, 0.8 * figure.get_figwidth())}\npositive counter-clockwise")
     bar.outline.set_linewidth(0.4)
 
 
