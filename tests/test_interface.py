@@ -137,7 +137,7 @@ def test_what_a_model_declares_is_stored_and_read_back(spring, every, tmp_path):
 def test_the_viewer_charts_what_only_the_model_knows(spring):
     run = Run(taichiflap.simulate(hawkmoth(*SHORT, spring)), "run")
     shown = {one.name: one for one in charts.quantities([run])}
-    assert (shown["stretch"].title, shown["stretch"].unit) == ("How far the spring is stretched", "m")
+    assert (shown["stretch"].title, shown["stretch"].unit) == ("How far the spring is stretched", "mm")
     assert "square" in shown
     assert "ramp" not in shown
     _, values = run.series("square", 0, 20, 100)
