@@ -1,6 +1,6 @@
 """Flexibility and kinematics of the hawkmoth in both models: where do DBET and UVLM agree?
 
-    python examples/design_map.py FOLDER [MODULI PITCHES]
+    python examples/design_map.py [FOLDER [MODULI PITCHES]]
 
 writes FOLDER/design_map.h5 with figures and prints how often the models agree. The default map of 12 moduli by 13 pitch
 amplitudes takes a minute or two on two cores. After an interruption it continues.
@@ -94,4 +94,4 @@ def main(folder: Path, *counts: int) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), *map(int, sys.argv[2:]))
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "design_map"), *map(int, sys.argv[2:]))

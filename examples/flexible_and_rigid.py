@@ -41,4 +41,4 @@ def draw(path):
 
 
 if __name__ == "__main__":
-    draw(sys.argv[1])
+    draw(sys.argv[1] if len(sys.argv) > 1 else "flexible_and_rigid.png")

@@ -90,7 +90,7 @@ def draw():
 
 
 if __name__ == "__main__":
-    out = sys.argv[1]
+    out = sys.argv[1] if len(sys.argv) > 1 else "frames.svg"
     with mpl.rc_context(HOUSE | {"text.parse_math": True}):
         draw().savefig(out, metadata={"Date": None} if out.endswith("svg") else None, dpi=200)
     print(f"{out} written, taichiflap {taichiflap.__version__}")

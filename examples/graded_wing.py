@@ -53,6 +53,7 @@ def draw(path):
     """Compute both maps and draw them."""
     import matplotlib.pyplot as plt  # noqa: PLC0415
 
+    plt.style.use(HOUSE)
     figure, axes = plt.subplots(2, 2, figsize=(9, 7), sharex=True, layout="constrained")
     for column, solver in zip(axes.T, ("dbet", "uvlm"), strict=True):
         found = maps(solver)
@@ -66,8 +67,6 @@ def draw(path):
         ax.set_xlabel("first natural frequency over flapping frequency")
     axes[0, 0].legend(title="stiffness, trailing over leading edge", fontsize=8, title_fontsize=8)
     figure.savefig(path)
-
-    plt.style.use(HOUSE)
 
 
 if __name__ == "__main__":

@@ -42,4 +42,4 @@ def draw(path):
 
 
 if __name__ == "__main__":
-    draw(sys.argv[1])
+    draw(sys.argv[1] if len(sys.argv) > 1 else "own_stroke.png")

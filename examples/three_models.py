@@ -1,4 +1,4 @@
-"""A bending wing in a stream by three fluid models: the two of the package, and `theodorsen.py` beside this script.
+"""A bending wing in a stream by three fluid models: two of the package, and `theodorsen.py` beside this script.
 
 python examples/three_models.py three_models.png
 """
@@ -41,4 +41,4 @@ def draw(path):
 
 
 if __name__ == "__main__":
-    draw(sys.argv[1])
+    draw(sys.argv[1] if len(sys.argv) > 1 else "three_models.png")

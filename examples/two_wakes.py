@@ -63,4 +63,4 @@ def draw(results):
 
 
 if __name__ == "__main__":
-    draw(compute()).savefig(sys.argv[1], dpi=150)
+    draw(compute()).savefig(sys.argv[1] if len(sys.argv) > 1 else "two_wakes.png", dpi=150)

@@ -3,17 +3,20 @@
 import resource
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import CASES, hawkmoth, march
 
+import taichiflap
 from taichiflap.kernels.arrays import octet_array
 from taichiflap.kernels.runtime import available_threads, start, view
 from taichiflap.march import loads
 from taichiflap.march.state import MOMENT, RATE
 from taichiflap.motion import sampling
+from taichiflap.run import blocks
 
 
 @pytest.mark.parametrize("solver", ["dbet", "uvlm"])
@@ -188,3 +191,23 @@ def test_arrays_of_octets_are_given_back():
     for _ in range(20):
         assert view(octet_array(values)).all()
     assert taken() - before < 40e6
+
+
+def test_blocks_grow_however_long_their_choice_takes(monkeypatch):
+    """Only the time of the march counts: else blocks of a model that is slow to tell its work shrink to one step."""
+    clock, chosen, choose = [0.0], [], blocks._block
+
+    def perf_counter():
+        clock[0] += 1e-3
+        return clock[0]
+
+    def slowly(*given):
+        clock[0] += 10.0
+        chosen.append(choose(*given)[0])
+        return choose(*given)
+
+    monkeypatch.setattr(blocks, "time", types.SimpleNamespace(perf_counter=perf_counter))
+    monkeypatch.setattr(blocks, "_block", slowly)
+    taichiflap.simulate(hawkmoth("solver=uvlm", "time.periods=2", "time.steps_per_period=200"))
+    assert len(chosen) < 10
+    assert chosen[1:] == sorted(chosen[1:])

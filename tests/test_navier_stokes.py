@@ -9,7 +9,7 @@ from navier_stokes_oracle import Oracle
 
 import taichiflap
 from taichiflap import fluids
-from taichiflap.case.case import CaseError
+from taichiflap.case.case import CaseError, parse_case
 from taichiflap.fluids.navier_stokes import arrays, tables
 from taichiflap.fluids.navier_stokes.field import Field
 from taichiflap.fluids.navier_stokes.grid import positions
@@ -176,6 +176,9 @@ def test_bits_are_the_same_alone_in_a_batch_and_resumed():
         alone.advance(20)
         taken = {name: values.copy() for name, values in alone.state(0).items()}
         again = marching(one)
+        short = taken | {"flow.vorticity": taken["flow.vorticity"][:, :-1]}
+        with pytest.raises(ValueError, match="vorticity is too short"):
+            again.restore([short], 20)
         again.restore([taken], 20)
         again.advance(10)
         rows = tables.Given.of(one, alone.sections[0]).grid.rows
@@ -326,6 +329,9 @@ def test_messages():
         match=r"cells = 64 is too few at a Reynolds number, by the mean speed, of .*; give 192",
     ):
         marching(case("fluid.viscosity=1e-5"))
+    # Without cells given there is nothing to leave out.
+    with pytest.raises(ResolutionError, match=r"cells = 384 is too few .*; give [0-9]+$"):
+        marching(hawkmoth(*NS, "fluid.viscosity=2e-6"))
     with pytest.raises(ResolutionError, match=r"give time.steps_per_period = [0-9]+ or more"):
         marching(case("time.steps_per_period=20"))
 
@@ -337,12 +343,20 @@ def test_what_a_run_was_not_good_for_is_said():
     for phrase in (
         "tip deflection reaches 0.55 chords; above 0.5",
         "time.periods = 1: the mean of a separated flow needs at least 10",
-        "the Courant number reached 30; above 15", "use time.steps_per_period = 800",
+        "the Courant number reached 30; above 15", "use time.steps_per_period = 800 or more",
         "navier_stokes.thickness = 0.04 chords, the wing has 0.002",
     ):  # fmt: skip
         assert phrase in said
     calm = {"tip_deflection": np.zeros(1), "courant": np.ones(1)}.__getitem__
     assert not model.outcome(ran.override("time.periods=10", "wing.thickness=5e-4"), calm)
+
+
+def test_a_fast_step_is_cured_in_the_units_of_the_run():
+    model, ran = fluids.load("navier_stokes"), hawkmoth(*NS, "fluid.viscosity=1.5e-5")
+    seconds = parse_case(ran.to_dict() | {"time": {"duration": 0.04, "step": 1e-4}})
+    for number, cure in ((30.0, "use time.step = 5e-05 s or less"), (math.inf, "use far shorter steps")):
+        said = model.outcome(seconds, {"tip_deflection": np.zeros(1), "courant": np.array([number])}.__getitem__)
+        assert cure in said[-1]
     # Before it runs: of a motion that jumps, and a flow that two dimensions are wrong for.
     assert any("above 3000" in one for one in model.warnings(ran.override("fluid.viscosity=1e-5")))
     assert any("begins with a jump" in one for one in model.warnings(ran))

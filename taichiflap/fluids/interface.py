@@ -1,8 +1,9 @@
 """The interface of fluid models: stored arrays, properties of the model, and functions for the march.
 
-All code outside `taichiflap.fluids` uses only these three classes:
+All code outside `taichiflap.fluids` sees a model through these classes:
 
 - `Output`: one array that a model stores. The march, the file layout and the readers all follow from it.
+- `Axis`, `Refinement`, `FlowField`: the coordinate of an output, a setting for `converge`, the flow of a frame.
 - `Model`: the model without a state: its outputs, cost, checks and texts.
 - `Flow`: the state of a batch of cases: arrays, and Taichi functions that the march fuses into one kernel.
 """

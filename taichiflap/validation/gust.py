@@ -94,7 +94,7 @@ def _kuessner(places: Sequence[float]) -> Check:
         "Lift as a fraction of the steady lift 2π w/U after the leading edge has met the edge of the gust. The exact "
         f"function is an integral of Sears's function (von Kármán & Sears 1938). w/U = {SMALL:g}, {TRAVEL:g} chords "
         "per step. The models smooth the edge over one element or panel. When the edge leaves the trailing edge, at "
-        "s = 2, both have an equally short spike of a few per cent.",
+        "s = 2, both have an equally short spike of a few percent.",
         tuple(rows),
         (
             Chart("Lift in the gust", "Distance into it s (half-chords)", "Lift over steady lift (1)", tuple(curves)),

@@ -14,7 +14,7 @@ from .viscous import PER_CENT, coefficients, viscous
 THIN = 0.02
 """Thickness of the section that stands for a thin plate."""
 RMS = {90: 3.0, 45: 4.5}
-"""Largest root mean square of the errors, per cent of that of the coefficient."""
+"""Largest root mean square of the errors, % of that of the coefficient."""
 TURNS = {90: (1.00035, 3.86781, 4.8), 45: (1.00178, 0.99643, 4.8)}
 """Start and length of the ramps, and the last time, chords over the stream's speed."""
 HOVER = {

@@ -36,15 +36,14 @@ class Dbet(Model):
         there = ", ".join(name for name, stated in new.items() if stated)
         if dbet.speed == "truncated" and there:
             found.append(
-                f'dbet.speed = "truncated" is the paper\'s and cannot be combined with {there}; give dbet.speed = '
-                '"full", or '
-                'frame = "chord", added_mass = "strip", attached = false, rotation = 0.0 and no gust'
+                f'dbet.speed = "truncated" is the paper\'s and cannot be combined with {there}; '
+                'give dbet.speed = "full", or frame = "chord", added_mass = "strip", attached = false, rotation = 0.0 '
+                "and no gust"
             )
         if dbet.attached and case.wing.modes and (dbet.frame != "deformed" or dbet.added_mass != "potential"):
             found.append(
                 f'dbet.attached = true on a flexible wing cannot be combined with frame = "{dbet.frame}" and '
-                "added_mass = "
-                f'"{dbet.added_mass}": the flutter speed would be wrong; give frame = "deformed" and '
+                f'added_mass = "{dbet.added_mass}": the flutter speed would be wrong; give frame = "deformed" and '
                 'added_mass = "potential", or attached = false'
             )
         return found
@@ -62,7 +61,8 @@ class Dbet(Model):
             return []
         return [
             f'dbet.coefficients = "{case.dbet.coefficients}" is valid for Reynolds numbers of {low:g} to {high:g} '
-            f"({polar.source}); here it is {reynolds:.2g}; choose another set, or give lift_max, drag_min and drag_max"
+            f"({polar.source}); here, by the speed of the trailing edge, it is {reynolds:.2g}; "
+            "choose another set, or give lift_max, drag_min and drag_max"
         ]
 
     def settings(self, case: Case) -> list[str]:

@@ -28,7 +28,7 @@ class NavierStokes(Model):
         Output("friction_axial", (), "N", "part of the axial force due to friction", "F_A,f", _FRICTION),
         Output(
             "courant", (), "1", "largest Courant number of a cell so far", "C",
-            "looked at when fields are stored; beyond about 15 the first beat errs by more than a percent",
+            "looked at when fields are stored; beyond about 15 the first beat errs by more than 1 %",
         ),
         Output(
             "vorticity", ("rho", "phi"), "s-1", "vorticity of the fluid", "omega",
@@ -95,8 +95,8 @@ class NavierStokes(Model):
         number = float(written("courant")[-1])
         if number > COURANT:
             found.append(
-                f"the Courant number reached {number:.3g}; above {COURANT:g} the error of a step exceeds a per cent; "
-                f"use time.steps_per_period = {math.ceil(case.steps_per_beat * number / COURANT)}"
+                f"the Courant number reached {number:.3g}; above {COURANT:g} the error of a step exceeds 1 %; "
+                f"{_cure(case, number / COURANT)}"
             )
         return found
 
@@ -148,6 +148,15 @@ class NavierStokes(Model):
         from .flow import flow  # noqa: PLC0415 - Taichi, for a run alone
 
         return flow(cases, sections, body)
+
+
+def _cure(case: Case, times: float) -> str:
+    """The setting of a case for steps that are so many times shorter."""
+    if not math.isfinite(times):
+        return "use far shorter steps"
+    if case.time.periods is None:
+        return f"use time.step = {case.step / times:.3g} s or less"
+    return f"use time.steps_per_period = {math.ceil(case.steps_per_beat * times)} or more"
 
 
 def thickest(case: Case) -> float | None:

@@ -3,7 +3,7 @@
 from ...kernels.runtime import Floats2, Floats3, Floats4, Ints2, Ints3, Octets2, Octets3, Octets4, ti
 
 ROWS, OCTETS, NEAR, FELT, BASE, TERMS, SERIES, STORED, ALIKE = range(9)
-UNMAPPED, SIZES = range(9, 11)
+UNMAPPED = 9
 """Entries of `size`: rows of cells, octets of a row, rows of implicit convection, rows that feel the wall's flux, first
 spectrum behind those of A, coefficients of the map and of a mode's series, coefficients that are stored, first of the
 rows that are of one thickness; and the step at which the map of a bent section did not converge, or zero."""

@@ -99,7 +99,7 @@ def unmapped(case: Case, modes: Modes, q: Any, step: int) -> str:
     tip = abs(float(modes.shape([case.wing.chord])[:, 0] @ q[: modes.count])) / case.wing.chord
     return (
         f"the map of the bent section did not converge at step {step} (t = {step * case.step:.4g} s), with the "
-        f"trailing edge {tip:.3g} chords from the chord; it is good to about {FURTHEST:g}. Likely to help: a stiffer "
+        f"trailing edge {tip:.3g} chords from the chord; it is good to about {FURTHEST:g}. May help: a stiffer "
         f"wing; navier_stokes.thickness = {2.0 * settings(case).thickness:g}"
     )
 

@@ -53,7 +53,9 @@ class Grid:
         rows = [first]
         while sum(rows) < last or len(rows) % 2:
             rows.append(min(rows[-1] * GROWTH, widest))
-        return cls(points, np.array(rows), half, pivot)
+        thickness = np.array(rows)
+        thickness.setflags(write=False)
+        return cls(points, thickness, half, pivot)
 
     def blended(self, first: float, last: float) -> "Grid":
         """The same grid with convection that is implicit up to rho = `first` and explicit from `last` on."""

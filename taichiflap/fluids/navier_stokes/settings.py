@@ -1,5 +1,6 @@
 """Settings of a case's grid, from its table `[navier_stokes]` or from its Reynolds number."""
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...case.case import Case
+from ...case.motion import Motion
 from ...errors import UserError
 from ...motion import sampling
 from ...motion.sampling import PITCH, PITCH_RATE, PLUNGE_RATE, SURGE_RATE
@@ -55,10 +57,14 @@ class Settings:
 
     def grid(self, pivot: float) -> Grid:
         """The grid of these settings."""
-        half = 0.5 * self.thickness
-        return Grid.stretched(
-            self.cells, 2.0 * self.wall_spacing, math.log(self.radius / (0.5 * (0.5 + half))), half, pivot
-        )
+        return _grid(self, pivot)
+
+
+@functools.lru_cache(maxsize=256)
+def _grid(found: Settings, pivot: float) -> Grid:
+    half = 0.5 * found.thickness
+    far = math.log(found.radius / (0.5 * (0.5 + half)))
+    return Grid.stretched(found.cells, 2.0 * found.wall_spacing, far, half, pivot)
 
 
 def reynolds(case: Case) -> float:
@@ -67,24 +73,28 @@ def reynolds(case: Case) -> float:
 
     The metric `reynolds` takes the reference speed of coefficients: in a harmonic stroke 1.11 times the mean.
     """
-    first = case.motion.growth
     # Of the case as it was given: an automatic time step follows from the Reynolds number.
-    duration = case.time.duration or 0.0
-    span = 1.0 / case.motion.frequency if case.motion.frequency else max(duration - first, duration / TIMES)
-    moved = sampling.sample(case.motion, first + span * np.arange(TIMES) / TIMES)
-    y, z = moved[:, SURGE_RATE] - case.fluid.velocity[0], moved[:, PLUNGE_RATE] - case.fluid.velocity[1]
-    turning = (1.0 - case.wing.pivot) * case.wing.chord * moved[:, PITCH_RATE]
+    speed = _mean_speed(case.motion, case.wing.pivot, case.wing.chord, case.fluid.velocity, case.time.duration or 0.0)
+    return speed * case.wing.chord / case.fluid.viscosity
+
+
+@functools.lru_cache(maxsize=256)
+def _mean_speed(motion: Motion, at: float, chord: float, stream: tuple[float, float], duration: float) -> float:
+    first = motion.growth
+    span = 1.0 / motion.frequency if motion.frequency else max(duration - first, duration / TIMES)
+    moved = sampling.sample(motion, first + span * np.arange(TIMES) / TIMES)
+    y, z = moved[:, SURGE_RATE] - stream[0], moved[:, PLUNGE_RATE] - stream[1]
+    turning = (1.0 - at) * chord * moved[:, PITCH_RATE]
     sine, cosine = np.sin(moved[:, PITCH]), np.cos(moved[:, PITCH])
     pivot, edge = np.hypot(y, z).mean(), np.hypot(y - turning * sine, z + turning * cosine).mean()
-    speed = pivot if pivot > STILL * edge else edge
-    return float(speed * case.wing.chord / case.fluid.viscosity)
+    return float(pivot if pivot > STILL * edge else edge)
 
 
 def settings(case: Case) -> Settings:
     """The settings of a case: given, or found from its Reynolds number."""
     asked, number = case.navier_stokes, reynolds(case)
     cells = asked.cells or next(points for most, points in POINTS if number <= most)
-    stream = any(case.fluid.velocity)
+    stream = case.fluid.streams
     spacing = min(SPACING / math.sqrt(max(number, 1.0)), WIDEST * 2.0 * math.pi / cells)
     return Settings(
         reynolds=number,
@@ -112,7 +122,7 @@ def checked(case: Case) -> Settings:
             )
         raise ResolutionError(
             f"navier_stokes.cells = {found.cells} is too few at a Reynolds number, by the mean speed, of "
-            f"{found.reynolds:.3g}; give {least}, or leave it out"
+            f"{found.reynolds:.3g}; give {least}{', or leave it out' if case.navier_stokes.cells else ''}"
         )
     needed = COARSEST * case.matched_step() if found.reynolds else math.inf
     if case.step > needed:

@@ -84,13 +84,13 @@ class Uvlm(Model):
         middle = (0.5 - case.wing.pivot) * case.wing.chord
         times = case.duration - case.beat * np.linspace(0.0, 1.0, MOMENTS)
         angle = typical_angle(sample(case.motion, times), middle, case.fluid.velocity)
-        if uvlm.suction_limit == 0.0 and any(case.fluid.velocity) and angle < ATTACHED:
+        if uvlm.suction_limit == 0.0 and case.fluid.streams and angle < ATTACHED:
             found.append(
                 f"uvlm.suction_limit = 0 sheds at every angle, but at {angle:.2g} deg the flow would stay attached "
                 "and lift is far too high; use a limit such as 0.1"
             )
         beats = case.time.periods
-        if beats and not any(case.fluid.velocity) and beats < FEWEST_BEATS:
+        if beats and not case.fluid.streams and beats < FEWEST_BEATS:
             found.append(
                 f"time.periods = {beats}: beats of a separated flow in hover differ by about 25 %; use at least "
                 f"{FEWEST_BEATS} for a mean with a standard error"

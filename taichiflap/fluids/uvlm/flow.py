@@ -247,7 +247,7 @@ def settle(batch: View, b, n, rule, used: View):
 
 
 BOUND, CROSSED, LOST, FAR, SUCTION_VELOCITY, FROM_LEADING, FROM_TRAILING, EDGE_SHEDS = range(8)
-"""Store the series in the order in which the model declares them."""
+"""Columns of the stored series, in the order in which the model declares them."""
 
 
 @ti.func
