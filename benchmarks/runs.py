@@ -39,6 +39,11 @@ def hawkmoth_dbet(*settings: str) -> Case:
     return taichiflap.load_case(CASE_FILES / "hawkmoth_dbet.toml", settings)
 
 
+def hawkmoth_ns(*settings: str) -> Case:
+    """The paper's wing in a viscous fluid."""
+    return taichiflap.load_case(CASE_FILES / "hawkmoth_ns.toml", settings)
+
+
 def pairs(case: Case) -> float:
     """Pair interactions of a whole run: every wake vortex with all vortices, every control point with the wake."""
     held = np.minimum(np.arange(1, case.steps + 1), wake.ring_size(case)).astype(float)

@@ -1,4 +1,4 @@
-"""`make bench-view`: the viewer's time a frame, ten browsers at once, its first picture, explore, and a large file."""
+"""`make bench-view`: the first picture, Navier-Stokes' pictures, explore, a large file, and ten browsers at once."""
 
 import argparse
 import statistics
@@ -15,14 +15,14 @@ from taichiflap_viewer.timeline import ALL
 
 import taichiflap
 
-from . import explore, large, machine, picture
+from . import explore, frames, large, machine, picture
 from .__main__ import printed
 from .browsers import browsers
 from .rows import Row
-from .runs import hawkmoth
+from .runs import hawkmoth, hawkmoth_ns
 
 SERVER, FILES = "The server", "A large file"
-PARTS = ("picture", "explore", "files", "server")
+PARTS = ("picture", "frames", "explore", "files", "server")
 CLIENTS = 10
 SECONDS = 10.0
 
@@ -122,11 +122,13 @@ def main() -> None:
     for name, value in (machine.describe() | {"viser": viser.__version__}).items():
         print(f"{name:<22}{value}")
     with tempfile.TemporaryDirectory() as folder:
-        shipped, many = Path(folder, "shipped.h5"), Path(folder, "many.h5")
-        taichiflap.simulate(hawkmoth(), shipped).close()
-        taichiflap.simulate(hawkmoth("uvlm.wake=2000", "uvlm.core=0.02"), many).close()
+        shipped, many, viscous = (Path(folder, name) for name in ("shipped.h5", "many.h5", "viscous.h5"))
+        many_vortices = hawkmoth("uvlm.wake=2000", "uvlm.core=0.02")
+        for case, path in ((hawkmoth(), shipped), (many_vortices, many), (hawkmoth_ns(), viscous)):
+            taichiflap.simulate(case, path).close()
         parts: dict[str, Callable[[], Iterator[Row]]] = {
             "picture": lambda: picture.rows(shipped),
+            "frames": lambda: frames.rows(viscous),
             "explore": explore.rows,
             "files": lambda: files(shipped, Path(folder, "large.h5")),
             "server": lambda: server(shipped, many, arguments.minutes),

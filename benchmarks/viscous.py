@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-import taichiflap
 from taichiflap import fluids
 from taichiflap.case.case import Case
 from taichiflap.fluids.navier_stokes.settings import settings
@@ -14,7 +13,7 @@ from taichiflap.march.march import March
 
 from .clock import Work, alternate
 from .rows import Row
-from .runs import CASE_FILES
+from .runs import hawkmoth_ns
 
 SECTION = "Navier-Stokes"
 STEPS = 300
@@ -30,7 +29,7 @@ COPIES = 50
 def case(*settings: str) -> Case:
     """The hawkmoth's rigid wing."""
     common = ("wing.modes=0", "time.periods=1", "time.steps_per_period=1000")
-    return taichiflap.load_case(CASE_FILES / "hawkmoth_ns.toml", (*common, *settings))
+    return hawkmoth_ns(*common, *settings)
 
 
 def rows() -> Iterator[Row]:

@@ -11,8 +11,8 @@ Complex = NDArray[np.complex128]
 NEWTON_STEPS = 50
 QUICK_STEPS = 8
 """Steps from the straight section's map; what has not converged then starts anew from the nearest of a few circles."""
-CLOSE = 1e-5
-"""The last of Newton's steps, chords: the error that it leaves goes with its square."""
+CLOSE = 1e-4
+"""The last of Newton's steps, as a share of |zeta|: the error that it leaves goes with its square."""
 LEAST = 0.8
 """Points inside the section end on this circle: further in, the series of a bent section does not converge."""
 BANDS = (LEAST, 1.4, 3.0, 6.0, np.inf)
@@ -52,24 +52,23 @@ def inverted(coefficients: Complex, points: Complex, chord: float) -> Complex:
     half = 0.5 * (flat - coefficients[1]) / coefficients[0]
     root = np.sqrt(half * half - coefficients[2] / coefficients[0])
     zeta = half + np.where((half.conj() * root).real < 0.0, -root, root)
-    close = CLOSE * chord
     if np.abs(coefficients[3:]).sum() > NEGLIGIBLE * chord:
         zeta = np.where(np.abs(zeta) < 1.0, zeta / np.abs(zeta), zeta)
         astray = np.zeros(len(flat), bool)
-        astray[_improve(coefficients, flat, zeta, np.arange(len(flat)), close, QUICK_STEPS)] = True
+        astray[_improve(coefficients, flat, zeta, np.arange(len(flat)), chord, QUICK_STEPS)] = True
         # A point near the wall has another zeta, inside the circle, that a start from afar may end at.
         left = np.flatnonzero(astray | (zeta.real**2 + zeta.imag**2 < 1.0))
         if len(left):
             zeta[left] = _nearest(coefficients, flat[left])
-            _improve(coefficients, flat, zeta, left, close, NEWTON_STEPS)
+            _improve(coefficients, flat, zeta, left, chord, NEWTON_STEPS)
     return zeta.reshape(points.shape)
 
 
 def _improve(
-    coefficients: Complex, points: Complex, zeta: Complex, left: NDArray[np.intp], close: float, steps: int
+    coefficients: Complex, points: Complex, zeta: Complex, left: NDArray[np.intp], chord: float, steps: int
 ) -> NDArray[np.intp]:
     """Newton steps for the points `left`, in place; returns those that have not converged."""
-    weight = np.abs(coefficients) / (NEGLIGIBLE * close / CLOSE)
+    weight = np.abs(coefficients) / (NEGLIGIBLE * chord)
     for _ in range(steps):
         size = np.abs(zeta[left])
         on = []
@@ -77,14 +76,14 @@ def _improve(
             some = left[(size >= inner * (1.0 - 1e-12)) & (size < outer)]
             if len(some):
                 used = max(3, int(np.flatnonzero(weight > inner ** (np.arange(len(weight)) - 1.0))[-1]) + 1)
-                on.append(some[_step(coefficients[:used], points, zeta, some, close)])
+                on.append(some[_step(coefficients[:used], points, zeta, some)])
         left = np.concatenate(on)
         if not len(left):
             break
     return left
 
 
-def _step(coefficients: Complex, points: Complex, zeta: Complex, some: NDArray[np.intp], close: float) -> Any:
+def _step(coefficients: Complex, points: Complex, zeta: Complex, some: NDArray[np.intp]) -> Any:
     """One step for the points `some`, in place; returns those that need another."""
     before = zeta[some]
     found, slope = mapped(coefficients, before)
@@ -97,7 +96,7 @@ def _step(coefficients: Complex, points: Complex, zeta: Complex, some: NDArray[n
     inside = size <= LEAST
     fresh[inside] *= LEAST / np.maximum(size[inside], 1e-300)
     zeta[some] = fresh
-    return (length * np.abs(slope) >= close) & ~inside
+    return (length >= CLOSE * np.abs(before)) & ~inside
 
 
 def _nearest(coefficients: Complex, points: Complex) -> Complex:

@@ -75,6 +75,7 @@ def reynolds(case: Case) -> float:
     """
     # Of the case as it was given: an automatic time step follows from the Reynolds number.
     speed = _mean_speed(case.motion, case.wing.pivot, case.wing.chord, case.fluid.velocity, case.time.duration or 0.0)
+    assert case.fluid.viscosity is not None  # a case without it is refused
     return speed * case.wing.chord / case.fluid.viscosity
 
 

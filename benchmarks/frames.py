@@ -1,0 +1,68 @@
+"""How many pictures a second a page draws while it plays stored Navier-Stokes frames, in a real browser."""
+
+import contextlib
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from taichiflap_viewer import Viewer
+from taichiflap_viewer.timeline import ALL
+
+from .picture import FLAGS
+from .rows import Row
+
+SECTION = "Navier-Stokes in the browser"
+SECONDS = 15.0
+SPEED = 1.0
+"""Beats a second; the whole run is played, whose pictures are more than a page keeps."""
+
+# Notes every picture of the flow that a turn of the page's renderer has drawn, and counts the turns.
+WATCH = """
+window.__flow = {turns: 0, pictures: 0, last: null};
+const watch = () => {
+  const scene = window.__viserMutable && window.__viserMutable.scene;
+  if (!scene) { requestAnimationFrame(watch); return; }
+  scene.onAfterRender = () => {
+    const seen = window.__flow;
+    seen.turns += 1;
+    scene.traverseVisible((node) => {
+      const map = node.material && node.material.map;
+      if (map && map.image && map.uuid !== seen.last) { seen.last = map.uuid; seen.pictures += 1; }
+    });
+  };
+};
+watch();
+"""
+
+
+def rows(path: Path) -> Iterator[Row]:
+    """One page that plays a result; the first seconds, in which nothing is prepared, do not count."""
+    chromium = shutil.which("chromium")
+    name = "pictures of the stored vorticity that a playing page draws"
+    try:
+        from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not everyone has it
+    except ImportError:
+        chromium = None
+    if chromium is None:
+        yield Row(SECTION, name, None, "1/s", 20.0, True, "there is no chromium, or no playwright")
+        return
+    with contextlib.ExitStack() as stack:
+        viewer = Viewer([path])
+        stack.callback(viewer.stop)
+        browser = stack.enter_context(sync_playwright()).chromium.launch(executable_path=chromium, args=FLAGS)
+        stack.callback(browser.close)
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page.add_init_script(WATCH)
+        page.goto(viewer.address)
+        page.wait_for_function("() => window.__flow.pictures > 0", timeout=60e3)
+        playback = viewer.sessions[0].session.playback
+        playback.loop, playback.speed, playback.playing = ALL, SPEED, True
+        time.sleep(3.0)
+        first, began = page.evaluate("() => ({...window.__flow})"), time.perf_counter()
+        time.sleep(SECONDS)
+        last, seconds = page.evaluate("() => ({...window.__flow})"), time.perf_counter() - began
+        asked = SPEED * viewer.runs[0].frames_per_beat
+    drawn, turns = ((last[one] - first[one]) / seconds for one in ("pictures", "turns"))
+    note = f"of {asked:g} asked; {turns:.0f} turns of its renderer a second"
+    yield Row(SECTION, name, drawn, "1/s", 20.0, True, note)
