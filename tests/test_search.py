@@ -363,6 +363,25 @@ def test_the_heat_map_shows_the_values_of_the_map():
     np.testing.assert_allclose(np.concatenate(drawn), np.arange(12.0), atol=1e-12)
 
 
+@pytest.mark.parametrize("frequencies", ["20", "10,20,30,40"])
+def test_figures_of_a_map_do_not_depend_on_the_order_of_its_values(frequencies, tmp_path):
+    """Heat maps with contours, grey and hatched cells; or lines, over the chord alone."""
+    found = []
+    backwards = ",".join(frequencies.split(",")[::-1])
+    for chords, frequency in (("0.03,0.04,0.05", frequencies), ("0.05,0.03,0.04", backwards)):
+        planned = design(hawkmoth(), vary := {"wing.chord": chords, "motion.frequency": frequency})
+        points = [planned.point(i) for i in range(planned.size)]
+        values = lambda i, points=points: {  # noqa: E731
+            "force_vertical_mean": points[i]["wing.chord"] * points[i]["motion.frequency"],
+            "force_coefficient_peak": 99.0 if points[i]["wing.chord"] == 0.04 else 1.0,
+            "tip_peak_mean": 0.5 * points[i]["wing.chord"] if points[i]["motion.frequency"] == 30.0 else 0.0,
+        }
+        with filled(vary, values) as sheet:
+            figure = map_plots.plot(sheet, tmp_path / "map.svg", overwrite=True)[0]
+            found.append((figure.name, figure.read_bytes(), sheet._repr_html_()))
+    assert found[0] == found[1]
+
+
 def test_a_map_without_a_numeric_key_has_no_figure():
     with filled({"solver": "dbet,uvlm"}, lambda _i: {}) as sheet, pytest.raises(MapError, match="nothing to draw"):
         map_plots.plot(sheet)

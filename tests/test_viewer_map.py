@@ -143,6 +143,26 @@ def test_contours_of_a_plane_are_its_straight_lines_at_round_values():
     np.testing.assert_allclose(up.places, np.linspace(10, 20, 6))
 
 
+def test_a_picture_does_not_depend_on_the_order_of_the_values():
+    case, found = hawkmoth(), []
+    for moduli, angles in (("10e9,20e9,30e9", "0,10,30"), ("30e9,10e9,20e9", "30,10,0")):
+        vary = {"wing.youngs_modulus": moduli, "motion.pitch.amplitude_deg": angles}
+        sheet = maps.create(None, case, design(case, vary), METRICS)
+        points = [sheet.design.point(number) for number in range(9)]
+        lifts = [point["wing.youngs_modulus"] * (1.0 + point["motion.pitch.amplitude_deg"]) for point in points]
+        sheet.record(range(9), [Outcome({"force_vertical_mean": one, "power_mean": 1.0}) for one in lifts])
+        picture = read(sheet, opening(sheet))
+        # A click opens the case whose value the cell shows.
+        np.testing.assert_array_equal(picture.values, 1e3 * np.array(lifts)[picture.numbers])
+        assert sheet.design.point(picture.at(0.9, 0.1)) == {
+            "wing.youngs_modulus": 10e9, "motion.pitch.amplitude_deg": 30.0
+        }  # fmt: skip
+        lines = profiles(sheet, opening(sheet), picture, picture.at(0.5, 0.5))
+        edges = [(tuple(edge.places), edge.texts) for edge in (picture.across, picture.up)]
+        found.append((picture.values.tolist(), edges, [(one.places.tolist(), one.values.tolist()) for one in lines]))
+    assert found[0] == found[1]
+
+
 def test_menus_group_metrics_and_tell_their_units():
     sheet = sheet_of(None)
     assert grouped(["solver", "power_mean", "force_vertical_mean", "wing.youngs_modulus"], sheet) == {

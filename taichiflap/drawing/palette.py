@@ -1,7 +1,7 @@
 """Colours of all drawings: a diverging map for signed values, and colours of lines. Needs only NumPy.
 
 The map runs from blue over grey to orange: both are distinguishable with all common colour-vision deficiencies, and
-    lightness changes evenly from zero to either end, so that it works in a grey print.
+lightness changes evenly from zero to either end, so that it works in a grey print.
 """
 
 from collections.abc import Sequence

@@ -50,8 +50,7 @@ def write_html(result: Result, path: Path, beats: int, reference: str = INERTIAL
 
 
 def pack(values: ArrayLike) -> dict[str, Any]:
-    """Numbers as 16-bit integers in base64: value = offset + scale * integer, with an error of at most half a "
-    "`scale`."""
+    """Numbers as 16-bit integers in base64: value = offset + scale * integer; the error is at most half of `scale`."""
     flat = np.asarray(values, dtype=float).ravel()
     low, high = (float(flat.min()), float(flat.max())) if flat.size else (0.0, 0.0)
     offset = 0.5 * (low + high)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..case.case import Case, read_value
 from ..case.messages import holds_whole
@@ -36,6 +37,11 @@ class Axis:
     def numeric(self) -> bool:
         """Whether the values are numbers, which can form the axis of a chart."""
         return not any(isinstance(value, str) for value in self.values)
+
+    @property
+    def order(self) -> NDArray[np.intp]:
+        """Indices of the values in rising order, as a picture needs them; of text, as listed."""
+        return np.argsort(self.values, kind="stable") if self.numeric else np.arange(len(self.values))
 
 
 @dataclass(frozen=True)

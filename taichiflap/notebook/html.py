@@ -9,6 +9,7 @@ from ..case.case import Case
 from ..drawing import palette, scene
 from ..drawing.orientation import Orientation
 from ..errors import UserError
+from ..maps.design import Axis
 from ..maps.file import Map
 from ..maps.labels import factor_of, model, named
 from ..maps.outcome import COMPLETE, FAILED
@@ -79,8 +80,7 @@ def of_map(sheet: Map) -> str:
     status, design = sheet.status, sheet.design
     counts = f"{design.size:,}: {np.sum(status == COMPLETE):,} complete, {np.sum(status == FAILED):,} failed"
     rows = [*([("model", model(sheet))] if model(sheet) else []), ("cases", counts)]
-    rows += [(axis.key, f"{short(axis.values[0])} to {short(axis.values[-1])}, {len(axis.values)} values")
-             for axis in design.axes]  # fmt: skip
+    rows += [(axis.key, _range(axis)) for axis in design.axes]
     broken = limits.broken(sheet).reshape(design.shape)
     for name in shown(sheet.metrics):
         known = np.where(broken, np.nan, factor_of(sheet, name) * sheet.values(name))
@@ -148,6 +148,12 @@ def _numbers(result: Result) -> Iterator[tuple[str, str]]:
             yield name, f"{value.shown(factor)} {shown_in}".replace("-", "−")
 
 
+def _range(axis: Axis) -> str:
+    if not axis.numeric:
+        return ", ".join(map(str, dict.fromkeys(axis.values)))
+    return f"{short(min(axis.values))} to {short(max(axis.values))}, {len(axis.values)} values"
+
+
 def _heat_map(sheet: Map, broken: np.ndarray) -> str:
     axes = sheet.design.axes
     numeric = [i for i, axis in enumerate(axes) if axis.numeric and len(set(axis.values)) > 1]
@@ -158,7 +164,7 @@ def _heat_map(sheet: Map, broken: np.ndarray) -> str:
     cut = tuple(slice(None) if i in (up, across) else 0 for i in range(len(axes)))
     values = np.where(broken, np.nan, factor_of(sheet, name) * sheet.values(name))[cut]
     thin = [np.unique(np.rint(np.linspace(0, n - 1, min(n, CELLS))).astype(int)) for n in values.shape]
-    values = values[np.ix_(*thin)]
+    values = values[np.ix_(axes[up].order[thin[0]], axes[across].order[thin[1]])]
     known = values[np.isfinite(values)]
     low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
     table = palette.table(VIRIDIS)

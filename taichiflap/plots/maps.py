@@ -132,7 +132,7 @@ def heat_maps(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure
     figure = Figure((WIDTH, 0.4 + 1.9 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(columns), sharex=True, sharey=True, squeeze=False)
     for row, name in zip(grid, metrics, strict=True):
-        fields = [_slice(_holding(sheet, name, whole), place, down, across) for _, place in columns]
+        fields = [_slice(sheet, _holding(sheet, name, whole), place, down, across) for _, place in columns]
         finite = np.concatenate([field[np.isfinite(field)] for field in fields])
         low, high = (finite.min(), finite.max()) if finite.size else (0.0, 1.0)
         for ax, field, (title, place) in zip(row, fields, columns, strict=True):
@@ -160,7 +160,7 @@ def lines(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
     """Metrics over a single numeric key, one line for every combination of the others."""
     along = _varying(sheet)[0]
     axis = sheet.design.axes[along]
-    x, columns = _scaled(axis, sheet), _columns(sheet, {along})
+    x, columns = np.sort(_scaled(axis, sheet)), _columns(sheet, {along})
     rows = math.ceil(len(metrics) / 2)
     figure = Figure((WIDTH, 2.1 * rows), layout="constrained")
     grid = figure.subplots(rows, 2, sharex=True, squeeze=False).ravel()
@@ -168,8 +168,8 @@ def lines(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
         held, doubtful = _holding(sheet, name, whole), _holding(sheet, name, whole, doubtful=True)
         for colour, mark, (title, place) in zip(_colours(len(columns)), MARKS * len(columns), columns, strict=False):
             index = tuple(slice(None) if i == along else p for i, p in enumerate(place))
-            values = held[index]
-            ax.plot(x, doubtful[index], mark, color=GREY, markersize=3, zorder=1)
+            values = held[index][axis.order]
+            ax.plot(x, doubtful[index][axis.order], mark, color=GREY, markersize=3, zorder=1)
             ax.plot(x, values, mark + "-", color=colour, markersize=3, linewidth=1, label=title or None)
         _scale_axes(ax, axis)
         ax.set_ylabel(named(name, sheet))
@@ -250,7 +250,7 @@ def _shade(
     ax: Any, sheet: Map, sides: tuple[Axis, Axis], place: tuple[int, ...], spanned: tuple[int, int], whole: bool
 ) -> None:
     """Grey behind the colours where the model is invalid; hatching where the linear beam is invalid."""
-    broken, bend = (_slice(one.reshape(sheet.design.shape), place, *spanned) for one in (
+    broken, bend = (_slice(sheet, one.reshape(sheet.design.shape), place, *spanned) for one in (
         limits.broken(sheet), limits.bend(sheet)
     ))  # fmt: skip
     if broken.any() and not whole:
@@ -285,8 +285,10 @@ def _columns(sheet: Map, spanned: set[int]) -> list[tuple[str, tuple[int, ...]]]
     return found
 
 
-def _slice(values: np.ndarray, place: tuple[int, ...], down: int, across: int) -> np.ndarray:
-    return values[tuple(slice(None) if i in (down, across) else p for i, p in enumerate(place))]
+def _slice(sheet: Map, values: np.ndarray, place: tuple[int, ...], down: int, across: int) -> np.ndarray:
+    """Values over two keys, each in rising order, with all others at `place`."""
+    cut = values[tuple(slice(None) if i in (down, across) else p for i, p in enumerate(place))]
+    return cut[np.ix_(sheet.design.axes[down].order, sheet.design.axes[across].order)]
 
 
 def _groups(sheet: Map, position: int) -> dict[str, np.ndarray]:
@@ -303,14 +305,15 @@ def _scaled(axis: Axis, sheet: Map) -> np.ndarray:
 
 
 def _middles(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
-    return _scaled(x, sheet), _scaled(y, sheet)
+    """Values of two keys in display units, in rising order."""
+    return np.sort(_scaled(x, sheet)), np.sort(_scaled(y, sheet))
 
 
 def _edges(x: Axis, y: Axis, sheet: Map) -> tuple[np.ndarray, np.ndarray]:
     """Borders of the cells around the values, half-way on a linear or logarithmic scale."""
     edges = []
-    for axis in (x, y):
-        values = np.log(_scaled(axis, sheet)) if is_log(axis) else _scaled(axis, sheet)
+    for axis, rising in zip((x, y), _middles(x, y, sheet), strict=True):
+        values = np.log(rising) if is_log(axis) else rising
         middle = 0.5 * (values[1:] + values[:-1])
         bounds = np.r_[values[0] - (middle[0] - values[0]), middle, values[-1] + (values[-1] - middle[-1])]
         edges.append(np.exp(bounds) if is_log(axis) else bounds)

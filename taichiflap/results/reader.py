@@ -193,7 +193,7 @@ class Result:
         return self._read(self._dataset(name), name, row)
 
     def between(self, name: str, first: int, last: int, stride: int = 1) -> np.ndarray:
-        """Every `every`-th step of a series, or frame of a field, from `first` to `last`, both included."""
+        """Every `stride`-th step of a series, or frame of a field, from `first` to `last`, both included."""
         return self._read(self._dataset(name), name, slice(first, min(last + 1, self._rows(name)), stride))
 
     @property

@@ -97,7 +97,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Profile:
-    """A metric along one key with all others fixed: the key, its values and those of the metric, in display units.
+    """A metric along one key with all others fixed: the key, its values, which rise, and the metric, in display units.
 
     Attributes:
         log: whether the key is drawn by its logarithm.
@@ -133,7 +133,8 @@ def read(sheet: Map, choice: Choice) -> Picture:
         axes = sheet.design.axes
         keys = [axis.key for axis in axes]
         index = tuple(slice(None) if key in (choice.across, choice.up) else choice.fixed.get(key, 0) for key in keys)
-        cut = numbers.reshape(sheet.design.shape)[index]
+        rising = (axis.order for axis in axes if axis.key in (choice.across, choice.up))
+        cut = numbers.reshape(sheet.design.shape)[index][np.ix_(*rising)]
         cells = cut if keys.index(choice.up) < keys.index(choice.across) else cut.T
         across, up = (of_cells(axes[keys.index(name)], factor_of(sheet, name)) for name in (choice.across, choice.up))
         return Picture(cells, values[cells], broken[cells], bent[cells], None, across, up)
@@ -153,7 +154,7 @@ def profiles(sheet: Map, choice: Choice, picture: Picture, number: int) -> list[
     lines = ((choice.across, picture.values[row]), (choice.up, picture.values[:, column]))
     found = [(_axis(sheet, name), name, values) for name, values in lines]
     return [
-        Profile(name, is_log(axis), factor_of(sheet, name) * np.array(axis.values, dtype=float), values)
+        Profile(name, is_log(axis), factor_of(sheet, name) * np.array(axis.values, dtype=float)[axis.order], values)
         for axis, name, values in found
         if axis and axis.numeric
     ]

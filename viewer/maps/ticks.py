@@ -30,7 +30,7 @@ def of_cells(axis: Axis, factor: float) -> Ticks:
     """Ticks of cells, one for each value of a key: the values themselves where they are few and plain or no range."""
     count = len(axis.values)
     middles = (np.arange(count) + 0.5) / count
-    values = factor * np.array(axis.values) if axis.numeric else np.zeros(0)
+    values = factor * np.array(axis.values)[axis.order] if axis.numeric else np.zeros(0)
     rises = len(values) > 1 and bool((np.diff(values) > 0).all())
     plain = all(float(f"{value:.2g}") == float(f"{value:.6g}") for value in values)
     if rises and not (plain and count <= MOST_TICKS):
