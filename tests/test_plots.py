@@ -141,6 +141,33 @@ def test_chosen_series_over_some_beats_in_another_style(lattice, blades, tmp_pat
     assert not list(tmp_path.glob("bad*"))
 
 
+def test_a_longer_run_is_drawn_over_the_time_of_a_shorter_one(blades):
+    ramp = CASES / "pitch_ramp.toml"
+    short, long = (
+        taichiflap.simulate(taichiflap.load_case(ramp, ("solver=dbet", "time.step=0.05", f"time.duration={seconds}")))
+        for seconds in (2.0, 4.0)
+    )
+    for results in ([short, long], [long, short]):
+        ax = plots.summary(results).axes[0]
+        assert ax.get_xlim() == pytest.approx((0.0, 4.0))  # chords, at 0.1 m/s
+        first, second = (line.get_xydata() for line in ax.lines if len(line.get_xydata()) > 2)
+        many = min(len(first), len(second))
+        assert many == 41
+        np.testing.assert_allclose(first[:many], second[:many], atol=1e-12)
+    with pytest.raises(scene.SceneError, match=re.escape("'Time in the last beat, t/T'; plot each on its own")):
+        plots.summary([blades, short])
+
+
+def test_half_strokes_are_shaded_where_the_first_result_is_drawn(blades):
+    one = taichiflap.simulate(hawkmoth("solver=dbet", "time.periods=1"))
+    shaded = [
+        sorted(patch.get_x() for patch in plots.summary(results, beats=2).axes[0].patches)
+        for results in ([blades, one], [one, blades])
+    ]
+    np.testing.assert_allclose(shaded[0], [0.5, 1.5], atol=1e-9)
+    np.testing.assert_allclose(shaded[1], [1.5], atol=1e-9)
+
+
 def test_the_wing_figure_holds_the_wake_at_its_instants(lattice):
     figure = plots.wing(lattice)
     axes = [ax for ax in figure.axes if ax.get_title()]

@@ -60,11 +60,12 @@ def summary(
         beats: number of beats, for a periodic motion.
 
     Raises:
-        SceneError: if a result has no whole beat.
+        SceneError: if a result has no whole beat, or the results have different time axes.
         SeriesError: if a result has no such series.
     """
     for result in results:
         scene.last_steps(result)
+    lengths, label_of_time = _time_axis(results)
     shown = chosen(results, metrics) if metrics else panels(results)
     columns = 1 if len(shown) <= COLUMN or width < style.NARROW else 2
     rows = math.ceil(len(shown) / columns)
@@ -75,10 +76,9 @@ def summary(
         handles, names = [], _names(results)
         units = [_unit(results, panel, beats) for panel in shown]
         many = max(_whole(result, beats) for result in results)
-        length, label_of_time = scene.abscissa(results[0].case)
         if many > 1:
             label_of_time = label_of_time.replace("last beat", f"last {many} beats")
-        for number, result in enumerate(results):
+        for number, (result, length) in enumerate(zip(results, lengths, strict=True)):
             colour = palette.SEVERAL[number % len(palette.SEVERAL)]
             turns = result.time[scene.last_steps(result, beats)] / result.case.beat
             turns = length * (turns - round(turns[-1]) + many)
@@ -93,10 +93,10 @@ def summary(
         for letter, ax, (label, _, series), (_, unit) in zip(
             "abcdefghijklmnopqrstuvwxyz", axes, shown, units, strict=False
         ):
-            _shade(ax, results[0], length, many)
+            _shade(ax, results[0], lengths[0], many, beats)
             named = f"{label} ({unit})" if unit else label
             named = style.wrapped(named, 0.8 * row) if width < style.NARROW else named
-            ax.set(ylabel=named, xlim=(0.0, many * length))
+            ax.set(ylabel=named, xlim=(0.0, many * max(lengths)))
             ax.axhline(0.0, color=palette.LIGHT.muted, linewidth=0.5, zorder=1)
             if len(shown) > 1:
                 ax.annotate(f"({letter})", (0.0, 1.0), (-36, 7), "axes fraction", "offset points", fontweight="bold")
@@ -114,6 +114,22 @@ def summary(
             ax.tick_params(labelbottom=True)
         figure.legend(handles=handles, loc="outside upper center", ncols=1)
     return figure
+
+
+def _time_axis(results: Sequence[Result]) -> tuple[list[float], str]:
+    """Length of a beat of each result on the time axis, and its label.
+
+    Raises:
+        SceneError: if the results have different ones, such as periods and seconds.
+    """
+    lengths, labels = zip(*(scene.abscissa(result.case) for result in results), strict=True)
+    for result, label in zip(results, labels, strict=True):
+        if label != labels[0]:
+            first, other = (one.path or scene.label(one) for one in (results[0], result))
+            raise scene.SceneError(
+                f"{other}: its time axis is {label!r}, that of {first} is {labels[0]!r}; plot each on its own"
+            )
+    return list(lengths), labels[0]
 
 
 def panels(results: Sequence[Result]) -> list[Panel]:
@@ -190,11 +206,15 @@ def _mean_force(result: Result) -> str:
     return f": mean {name} {value}"
 
 
-def _shade(ax: Any, result: Result, length: float, beats: int) -> None:
-    """Shade the half-strokes towards +Z; `length` is the length of a beat on the axis."""
+def _shade(ax: Any, result: Result, length: float, many: int, beats: int) -> None:
+    """Shade the half-strokes towards +Z of the beats shown of a result.
+
+    Args:
+        length: of a beat on the axis, which shows `many`.
+    """
     case = result.case
     end = round(result.time[scene.last_steps(result)][-1] / case.beat)
-    first = end - beats
+    first, begin = end - _whole(result, beats), end - many
     found = reversals(case, first, end)
     if not len(found):
         return
@@ -205,11 +225,11 @@ def _shade(ax: Any, result: Result, length: float, beats: int) -> None:
         middle = 0.5 * (left + right)
         forth = sample(case.motion, np.array([middle * case.beat]))[0, PLUNGE_RATE] > 0.0
         if forth:
-            span = length * (left - edges[0]), length * (right - edges[0])
+            span = length * (left - begin), length * (right - begin)
             ax.axvspan(*span, color=palette.LIGHT.faint, linewidth=0.0, zorder=0)
-        if beats == 1:
+        if many == 1:
             ax.annotate(
-                f"stroke to {'+' if forth else '−'}Z", (length * (middle - edges[0]), 1.0), (0, 3),
+                f"stroke to {'+' if forth else '−'}Z", (length * (middle - begin), 1.0), (0, 3),
                 ("data", "axes fraction"), "offset points",
                 ha="center", va="bottom", fontsize=7, color=palette.LIGHT.muted,
             )  # fmt: skip
