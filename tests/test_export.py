@@ -13,7 +13,7 @@ from test_cli import run
 
 import taichiflap
 from taichiflap import cli
-from taichiflap.drawing import palette
+from taichiflap.drawing import palette, scene
 from taichiflap.errors import UserError
 from taichiflap.export import film as animation
 from taichiflap.export.formats import export
@@ -140,6 +140,14 @@ def test_a_film_has_every_frame(blades, tmp_path):
     path = export(blades, "mp4", tmp_path / "a.mp4", beats=1)
     assert ffmpeg.count_frames_and_secs(str(path)) == (100, pytest.approx(4.0, abs=0.05))
     assert [file.name for file in tmp_path.iterdir()] == ["a.mp4"]
+
+
+def test_the_pace_of_a_slow_motion_is_that_of_a_fast_one_reversed():
+    hover, ramp = (taichiflap.load_case(CASES / name) for name in ("hawkmoth.toml", "pitch_ramp.toml"))
+    assert (hover.beat, ramp.beat) == (0.04, 5.0)
+    assert scene.pace(hover, 4.0) == "100 times slower"
+    assert scene.pace(hover, 0.1) == "2.5 times slower"
+    assert scene.pace(ramp, 2.5) == "2 times faster"
 
 
 def test_a_dark_film_has_the_dark_theme(lattice):

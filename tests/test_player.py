@@ -75,6 +75,14 @@ def test_a_page_carries_the_results_numbers(lattice, tmp_path):
     assert unpacked(data["wake"])[1] < 1e-4 * lattice.case.wing.chord
 
 
+def test_in_a_stream_a_page_tells_the_lift(tmp_path):
+    result = taichiflap.simulate(hawkmoth("solver=dbet", "time.periods=2", "fluid.velocity=[3.0, 0.0]"))
+    data = embedded(export(result, "html", tmp_path / "a.html", beats=1))
+    assert data["lift_name"] == "lift"
+    lift, error = unpacked(data["lift"])
+    np.testing.assert_allclose(lift, result.lift[scene.last_beats(result)[:-1]][::2], atol=error)
+
+
 def test_a_page_names_no_machine_and_reaches_for_nothing(lattice, tmp_path):
     page = export(lattice, "html", tmp_path / "a.html").read_text()
     # A short name, such as `vm`, may occur in base64 by chance.

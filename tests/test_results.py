@@ -293,6 +293,8 @@ def test_a_batch_gives_a_result_each(tmp_path):
 def test_cases_of_two_solvers_do_not_mix():
     with pytest.raises(ValueError, match="one solver"):
         taichiflap.simulate([hawkmoth(), hawkmoth("solver=dbet")])
+    with pytest.raises(ValueError, match="one output per case"):
+        taichiflap.simulate([hawkmoth(), hawkmoth()], "ab")
 
 
 def test_to_xarray(uvlm_file):

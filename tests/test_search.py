@@ -234,6 +234,18 @@ def test_convergence_follows_its_rule(monkeypatch, tmp_path):
     assert any("together" in line for line in convergence.verdict(found))
 
 
+def test_a_metric_that_is_zero_everywhere_is_drawn_at_zero(monkeypatch, tmp_path):
+    found = convergence.Convergence(0.01, accepted={"dbet.elements": 8})
+    for value, power in ((8, 1.1), (16, 1.0)):
+        found.trials.append(convergence.Trial("dbet.elements", value, {"power_mean": power, "tip_peak_mean": 0.0}))
+    drawn = []
+    monkeypatch.setattr(map_plots.formats, "write", lambda figures, *_, **__: drawn.extend(figures.values()))
+    map_plots.convergence(found, tmp_path / "c")
+    power, tip, *_ = drawn[0].axes[0].lines
+    np.testing.assert_allclose(power.get_ydata(), [10.0, 0.0], atol=1e-12)
+    assert list(tip.get_ydata()) == [0.0, 0.0]
+
+
 def test_what_never_converges_is_said(monkeypatch):
     pretend(monkeypatch, lambda case: {"force_vertical_mean": np.log(case.dbet.elements)})
     found = converge(hawkmoth(*SHORT), 0.01)

@@ -1,5 +1,6 @@
 """Studies in several processes give the same map, even if processes die."""
 
+import io
 import subprocess
 import sys
 
@@ -70,8 +71,17 @@ class Failing(workers.Worker):
         super().send(batch, [[]], keep_series)
 
 
+class Garbled(workers.Worker):
+    """A process of whose answer something else is read."""
+
+    def __init__(self, come):
+        super().__init__(come)
+        self._process.stdout.close()
+        self._process.stdout = io.BytesIO(b"cnowhere\nnothing\n.")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [Killed, Failing])
+@pytest.mark.parametrize("kind", [Killed, Failing, Garbled])
 def test_what_a_process_has_not_done_is_done_here(tmp_path, little, monkeypatch, kind):
     monkeypatch.setattr(workers, "Worker", kind)
     two = taichiflap.sweep(hawkmoth(*SHORT), VARY, tmp_path / "two.h5", metrics=["power_mean"])

@@ -232,6 +232,8 @@ def stream(case: Case) -> str:
     return f"U = {speed:.3g} m/s" if speed else ""
 
 
-def slow_down(case: Case, seconds_per_beat: float) -> float:
-    """Slow-motion factor at which a beat is shown."""
-    return seconds_per_beat / case.beat
+def pace(case: Case, seconds_per_beat: float) -> str:
+    """How much slower, or faster, than life a beat is shown, as text."""
+    slower = seconds_per_beat / case.beat
+    times, word = (slower, "slower") if slower >= 1.0 else (1.0 / slower, "faster")
+    return f"{times:{'.0f' if times >= 10.0 else '.2g'}} times {word}"

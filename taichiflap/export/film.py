@@ -137,7 +137,7 @@ class Film:
         self._axes.set(xlim=(left, right), ylim=(bottom, top))
         self._axes.set_axis_off()
         seconds = len(self.frames) / beats / rate
-        self._draw_ground(result, scene.slow_down(result.case, seconds), width, height, margin + inside[0] / width)
+        self._draw_ground(result, scene.pace(result.case, seconds), width, height, margin + inside[0] / width)
         self._moving = self._movers(height, 72.0 / DPI * pixels * self.chord)
 
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
@@ -217,9 +217,9 @@ class Film:
             artist.set_animated(True)
         return movers
 
-    def _draw_ground(self, result: Result, slower: float, width: float, height: float, right: float) -> None:
+    def _draw_ground(self, result: Result, pace: str, width: float, height: float, right: float) -> None:
         figure, axes, chord = self._figure, self._axes, self.chord
-        title = f"{scene.label(result)}   ({result.case.model}, {slower:.0f} times slower)"
+        title = f"{scene.label(result)}   ({result.case.model}, {pace})"
         head = figure.text(
             0.5,
             1.0 - 26.0 / height,

@@ -17,6 +17,7 @@ from .. import files
 from ..drawing import flow, palette, scene
 from ..drawing.orientation import INERTIAL
 from ..metrics.waves import reversals
+from ..motion.stream import in_stream
 from ..notation import prefixed
 from ..results.reader import Result
 
@@ -97,6 +98,9 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
     shared = scene.bounds(frames, case, backdrop.box if backdrop else None)
     left, right, bottom, top = shared.page
     way = scene.stroke(result, indices) if reference == INERTIAL else None
+    lift = result.force_vertical[steps]
+    if case.fluid.streams:
+        lift, _ = in_stream(case, result.force_y[steps], result.force_z[steps])
     loaded = not any(len(frame.wake) for frame in frames) and backdrop is None
     data = {
         "chord": case.wing.chord,
@@ -126,7 +130,8 @@ def _page(result: Result, frames: list[scene.Frame], indices: NDArray[np.intp], 
         "traction": pack([frame.traction for frame in frames] if loaded else []),
         "force": pack([frame.force for frame in frames]),
         "tip": pack(result.tip_deflection[steps]),
-        "lift": pack(result.force_vertical[steps]),
+        "lift": pack(lift),
+        "lift_name": "lift" if case.fluid.streams else "vertical force",
         "tables": {
             name: _base64(palette.table(theme.flow if backdrop else theme.anchors))
             for name, theme in (("light", palette.LIGHT), ("dark", palette.DARK))

@@ -105,7 +105,7 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
             names = list(trials[0].metrics)
             for colour, mark, name in zip(_colours(len(names)), MARKS * len(names), names, strict=False):
                 series = np.array([trial.metrics[name] for trial in trials])
-                deviation = 100.0 * (series / (series[-1] or 1.0) - 1.0)
+                deviation = 100.0 * (series - series[-1]) / (series[-1] or 1.0)
                 ax.plot(values, deviation, mark + "-", color=colour, markersize=3.5, linewidth=1, label=label(name))
             if key != "wing.modes":
                 ax.set_xscale("log", base=2)

@@ -34,6 +34,11 @@ def finished(path: Path, case: Case) -> Result | None:
 
 
 def check(path: Path, overwrite: bool) -> None:
+    """Raise an error if a result cannot be created at a path.
+
+    Raises:
+        ResultError: if the path is a folder, has no folder, or exists.
+    """
     if why := disk.trouble(path):
         raise ResultError(f"{path}: {why}")
     if path.is_dir():

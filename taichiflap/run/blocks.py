@@ -96,7 +96,8 @@ def simulate(
     check_threads(threads)
     single = isinstance(case, Case)
     cases = [one.resolved() for one in ([case] if isinstance(case, Case) else case)]
-    paths: list[Any] = [output] if single else list(output or [None] * len(cases))
+    one = single or isinstance(output, str | Path)
+    paths: list[Any] = [output] if one else list(output or [None] * len(cases))
     if len({one.solver for one in cases}) != 1 or len(paths) != len(cases):
         raise ValueError("give at least one case, all with one solver, and one output per case")
     places = [None if path is None else Path(path) for path in paths]

@@ -137,7 +137,7 @@ class Worker:
     def _read(self) -> None:
         while batch := self._sent.get():
             outcomes = None
-            with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
+            with contextlib.suppress(Exception):  # any exception of pickle for what a dying process has written
                 outcomes = pickle.load(self._process.stdout)  # type: ignore[arg-type]
             self._come.put((self, batch, outcomes))
 
