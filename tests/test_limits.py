@@ -174,7 +174,15 @@ def test_maps_show_in_grey_where_the_model_does_not_hold_and_hatch_where_it_errs
             meshes = [one for one in ax.collections if one.get_array() is not None and one.get_array().size == 12]
             values = np.ma.filled(np.ma.asarray(meshes[-1].get_array(), float), np.nan).ravel()
             assert list(np.flatnonzero(np.isnan(values))) == ([] if whole else broken)
-            assert any(one.hatches for one in ax.collections if hasattr(one, "hatches"))
+            (hatched,) = (one for one in ax.collections if getattr(one, "hatches", None))
+            corners = meshes[-1].get_coordinates()
+            for number in range(12):
+                row, column = divmod(number, corners.shape[1] - 1)
+                low, high = corners[row, column], corners[row + 1, column + 1]
+                # Right up to the edges of the cell.
+                within = [any(path.contains_point(low + share * (high - low)) for path in hatched.get_paths())
+                          for share in (0.01, 0.5, 0.99)]  # fmt: skip
+                assert within == [number < 6] * 3
 
 
 def test_a_map_over_the_chord_goes_by_each_cases_own():

@@ -394,6 +394,18 @@ def test_figures_of_a_map_do_not_depend_on_the_order_of_its_values(frequencies, 
     assert found[0] == found[1]
 
 
+def test_points_of_a_sample_are_told_apart_by_their_solver():
+    vary = {"motion.frequency": "10:30", "solver": "dbet,uvlm"}
+    with filled(vary, lambda i: {"force_vertical_mean": 1e-3 * i}, "sobol:8") as sheet:
+        ax = map_plots.scatter(sheet, ["force_vertical_mean"]).axes[0]
+        names = [text.get_text() for text in ax.get_legend().get_texts()]
+        shown_by = {line.get_label(): list(line.get_ydata()) for line in ax.lines if line.get_label() in names}
+        solvers = [sheet.design.point(i)["solver"] for i in range(8)]
+    expected = {kind: [i for i, solver in enumerate(solvers) if solver == kind] for kind in ("dbet", "uvlm")}
+    for kind, numbers in expected.items():
+        np.testing.assert_allclose(shown_by[kind], numbers, atol=1e-12)
+
+
 def test_a_map_without_a_numeric_key_has_no_figure():
     with filled({"solver": "dbet,uvlm"}, lambda _i: {}) as sheet, pytest.raises(MapError, match="nothing to draw"):
         map_plots.plot(sheet)

@@ -183,19 +183,23 @@ def lines(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
 
 
 def scatter(sheet: Map, metrics: Sequence[str], whole: bool = False) -> Figure:
-    """Metrics of a sample against each numeric key."""
+    """Metrics of a sample against each numeric key, with a colour for each value of the first key of text."""
     keys = [sheet.design.axes[i] for i in _varying(sheet)[:4]]
     figure = Figure((WIDTH, 0.4 + 1.6 * len(metrics)), layout="constrained")
     grid = figure.subplots(len(metrics), len(keys), sharex="col", sharey="row", squeeze=False)
     for row, name in zip(grid, metrics, strict=True):
         held, doubtful = _holding(sheet, name, whole), _holding(sheet, name, whole, doubtful=True)
         for ax, axis in zip(row, keys, strict=True):
-            ax.plot(_scaled(axis, sheet), doubtful, "o", color=GREY, markersize=2)
-            ax.plot(_scaled(axis, sheet), held, "o", color=palette.LINES[0], markersize=2)
+            x = _scaled(axis, sheet)
+            for colour, mark, title, numbers in _kinds(sheet):
+                ax.plot(x[numbers], doubtful[numbers], mark, color=GREY, markersize=2, zorder=1)
+                ax.plot(x[numbers], held[numbers], mark, color=colour, markersize=2, label=title or None)
             if ax in grid[-1]:
                 ax.set_xlabel(named(axis.key, sheet))
             _scale_axes(ax, axis)
         row[0].set_ylabel(named(name, sheet))
+    if len(_kinds(sheet)) > 1:
+        grid[0, 0].legend()
     return figure
 
 
@@ -209,10 +213,8 @@ def pareto(sheet: Map, whole: bool = False) -> Figure:
 
 
 def _draw_front(ax: Any, sheet: Map, name: str, whole: bool) -> None:
-    text = [i for i, axis in enumerate(sheet.design.axes) if not axis.numeric]
-    groups = _groups(sheet, text[0]) if text else {"": np.arange(sheet.design.size)}
     force, power = (_holding(sheet, one, whole).ravel() for one in (name, POWER))
-    for colour, mark, (title, numbers) in zip(_colours(len(groups)), MARKS * len(groups), groups.items(), strict=False):
+    for colour, mark, title, numbers in _kinds(sheet):
         ax.plot(power[numbers], force[numbers], mark, color=colour, markersize=2, alpha=0.35, markeredgewidth=0)
         front = numbers[pareto_front(power[numbers], force[numbers])]
         ax.plot(
@@ -249,17 +251,19 @@ def _note(sheet: Map, whole: bool, figure: str) -> str:
 def _shade(
     ax: Any, sheet: Map, sides: tuple[Axis, Axis], place: tuple[int, ...], spanned: tuple[int, int], whole: bool
 ) -> None:
-    """Grey behind the colours where the model is invalid; hatching where the linear beam is invalid."""
-    broken, bend = (_slice(sheet, one.reshape(sheet.design.shape), place, *spanned) for one in (
-        limits.broken(sheet), limits.bend(sheet)
+    """Grey behind the colours of cells in which the model is invalid; hatching where the linear beam is invalid."""
+    broken, bent = (_slice(sheet, one.reshape(sheet.design.shape), place, *spanned) for one in (
+        limits.broken(sheet), limits.bent(sheet)
     ))  # fmt: skip
+    x, y = _edges(*sides, sheet)
     if broken.any() and not whole:
-        ax.pcolormesh(*_edges(*sides, sheet), np.where(broken, 1.0, np.nan), cmap=ListedColormap([GREY]), zorder=0)
-    most = np.nanmax(bend, initial=0.0)
-    if most > BENT:
+        ax.pcolormesh(x, y, np.where(broken, 1.0, np.nan), cmap=ListedColormap([GREY]), zorder=0)
+    if bent.any():
+        # Four points to a cell, so that the hatching ends with it.
+        sides_of = (np.repeat(edges, 2)[1:-1] for edges in (x, y))
         with mpl.rc_context({"hatch.linewidth": 0.4}):
             ax.contourf(
-                *_middles(*sides, sheet), bend, [BENT, most * (1.0 + 1e-9)], colors="none", hatches=["////"], zorder=2
+                *sides_of, np.kron(bent, np.ones((2, 2))), [0.5, 1.5], colors="none", hatches=["////"], zorder=2
             )
 
 
@@ -289,6 +293,14 @@ def _slice(sheet: Map, values: np.ndarray, place: tuple[int, ...], down: int, ac
     """Values over two keys, each in rising order, with all others at `place`."""
     cut = values[tuple(slice(None) if i in (down, across) else p for i, p in enumerate(place))]
     return cut[np.ix_(sheet.design.axes[down].order, sheet.design.axes[across].order)]
+
+
+def _kinds(sheet: Map) -> list[tuple[Any, str, str, np.ndarray]]:
+    """Colour, mark, value and numbers of the cases with each value of the first key of text; all cases without one."""
+    text = [i for i, axis in enumerate(sheet.design.axes) if not axis.numeric]
+    groups = _groups(sheet, text[0]) if text else {"": np.arange(sheet.design.size)}
+    looks = zip(_colours(len(groups)), MARKS * len(groups), groups.items(), strict=False)
+    return [(colour, mark, title, numbers) for colour, mark, (title, numbers) in looks]
 
 
 def _groups(sheet: Map, position: int) -> dict[str, np.ndarray]:
