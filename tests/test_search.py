@@ -105,6 +105,22 @@ def test_the_optimum_of_a_bowl_is_its_bottom_or_the_edge_of_what_is_allowed(monk
     assert not impossible.holds
 
 
+def test_a_search_over_lists_goes_on_in_its_file(monkeypatch, tmp_path):
+    vary = {"solver": "dbet,uvlm", "fluid.velocity": "[1.0, 0.0],[2.0, 0.0]", "motion.frequency": "10:30"}
+    power = lambda case: case.motion.frequency * (1 + (case.solver == "dbet")) + case.fluid.velocity[0]  # noqa: E731
+    asked = pretend(monkeypatch, lambda case: {"power_mean": power(case)})
+    how = {"minimise": "power_mean", "population": 6, "generations": 3}
+    best = optimise(hawkmoth(*SHORT), vary, output=tmp_path / "search.h5", **how)
+    count = len(asked)
+    assert best == optimise(hawkmoth(*SHORT), vary, output=tmp_path / "search.h5", **how)
+    assert len(asked) == count
+    with maps.open_map(tmp_path / "search.h5") as sheet:
+        assert sheet.design.size == count
+        expected = [power(sheet.design.case(sheet.case, number)) for number in range(count)]
+        np.testing.assert_array_equal(sheet.values("power_mean"), expected)
+        assert (best.value, best.point) in [(expected[n], sheet.design.point(n)) for n in range(count)]
+
+
 def test_a_search_that_was_interrupted_goes_on_and_stands_in_its_map(monkeypatch, tmp_path):
     asked = pretend(monkeypatch, bowl)
     options = {"minimise": "power_mean", "population": 8, "generations": 6, "seed": 3}

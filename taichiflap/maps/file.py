@@ -163,9 +163,8 @@ class Map:
         for name in (SAMPLE, "status", "reason", *self.metrics):
             self.file[name].resize(last, axis=0)
         self.file[SAMPLE][first:] = np.arange(first, last)
-        for axis in axes:
-            self.file[axis.key].resize(last, axis=0)
-            self.file[axis.key][first:] = axis.values
+        for old, new in zip(self.design.axes, axes, strict=True):
+            layout.lengthen(self.file[new.key], Axis(new.key, old.values + new.values))
         self.design = layout.read_design(self.file)
         return range(first, last)
 

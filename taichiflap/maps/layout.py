@@ -140,6 +140,14 @@ def _axis_values(key: str, dataset: Any) -> list[Any]:
     return labels
 
 
+def lengthen(dataset: Any, axis: Axis) -> None:
+    """Give the dataset of a sample's key the values of a longer axis."""
+    dataset.resize(len(axis.values), axis=0)
+    dataset[...] = axis.values
+    if not axis.numeric:
+        hdf.note(dataset, {"labels": _labels(axis)})
+
+
 def dimensions(design: Design) -> tuple[str, ...]:
     """Names of a map's dimensions."""
     return tuple(axis.key for axis in design.axes) if design.grid else (SAMPLE,)
@@ -168,10 +176,13 @@ def _lay_axis(file: Any, axis: Axis, grid: bool) -> None:
     else:
         dataset.dims[0].attach_scale(file[SAMPLE])
     units, text = key_units(axis.key, Case)
-    # Text entries are for other programs; our reader uses those of fixed length.
-    labels = "" if axis.numeric else json.dumps(axis.values)
-    words = (("units", units), ("long_name", text), ("labels", labels))
+    words = (("units", units), ("long_name", text), ("labels", _labels(axis)))
     hdf.note(dataset, {name: value for name, value in words if value})
+
+
+def _labels(axis: Axis) -> str:
+    """Text entries as a text of fixed length, which our reader uses; the entries are for other programs."""
+    return "" if axis.numeric else json.dumps(axis.values)
 
 
 def _describe(file: Any, dataset: Any, variable: Variable, names: Sequence[str]) -> None:
