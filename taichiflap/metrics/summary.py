@@ -106,7 +106,7 @@ class Summary:
             None without a stream, or where nothing repeats.
         force_normal_peak: largest magnitude of the normal force.
         force_normal_phase: phase lead of its first harmonic over that of the plunge (of the pitch, without plunge),
-            degrees in (-180, 180]; None without plunge and pitch.
+            degrees in (-180, 180]; None without plunge and pitch, or without a force.
         tip_peak: largest magnitude of the tip deflection.
         tip_peak_time: time of the tip peak, as t/T within the beat.
         tip_peak_after_reversal: the same, from the last stroke reversal; None without plunge.

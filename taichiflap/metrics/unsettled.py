@@ -5,24 +5,26 @@ import math
 from .summary import FEWEST_BEATS, Summary
 from .uncertainty import FEWEST_BEATS as LEAST
 
+CURE = "increase time.periods, or time.duration of a run in seconds"
+
 
 def unsettled(summary: Summary) -> str:
     """Warning that a run is not yet periodic; empty if it is, or if its motion is not periodic."""
     if summary.settled is not False:
         return ""
     if summary.beats < FEWEST_BEATS:
-        return "too few beats to tell whether the run is periodic; increase time.periods"
+        return f"too few beats to tell whether the run is periodic; {CURE}"
     if summary.force_drift > 2.0 * summary.force_spread:
         return (
             f"not yet periodic: over these beats the mean force drifts by {100 * summary.force_drift:.2g} % "
-            "of its rms; increase time.periods"
+            f"of its rms; {CURE}"
         )
     known = f"a standard error takes {LEAST} settled beats, these are {summary.beats}"
     if summary.beats >= LEAST:
         known = f"the mean force vector has a standard error of {100 * _relative_error(summary):.2g} %"
     return (
         f"the beats do not repeat: their mean force spreads by {100 * summary.force_spread:.2g} % of its rms; "
-        f"{known}; increase time.periods"
+        f"{known}; {CURE}"
     )
 
 

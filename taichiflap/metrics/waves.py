@@ -76,9 +76,12 @@ def after_reversal(case: Case, beats: float) -> float | None:
 
 
 def phase(case: Case, last: float, force: complex) -> float | None:
-    """Phase lead (degrees) of a first harmonic, up to the time `last` (s), over that of the driving motion."""
+    """Phase lead (degrees) of a first harmonic, up to the time `last` (s), over that of the driving motion.
+
+    None without a driving motion, or if the harmonic is zero.
+    """
     driver = _driver(case, round(last / case.beat))
-    return None if driver is None else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
+    return None if driver is None or not force else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
 
 
 def _driver(case: Case, count: int) -> complex | None:

@@ -17,6 +17,7 @@ from ..case.case import Case
 from ..case.travel import Travel
 from ..errors import UserError
 from ..metrics.beats import settled_beats
+from ..metrics.unsettled import CURE
 from ..notation import prefixed
 from ..run.blocks import simulate
 
@@ -117,7 +118,7 @@ def strips(
             raise StripsError(f"the strip at {middle:.3g} m failed: {result.attributes['reason']}")
     beats = min(len(settled_beats(result)) for result in results)
     if not beats:
-        raise StripsError("no whole beat for the means; increase time.periods")
+        raise StripsError(f"no whole beat for the means; {CURE}")
     last = slice(-round(beats * cases[0].steps_per_beat), None)
     total = {name: np.sum([getattr(result, name) for result in results], axis=0) for name in SERIES}
     found = tuple(
