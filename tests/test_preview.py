@@ -43,6 +43,14 @@ def test_in_a_stream_it_is_what_the_plunging_foil_has():
     np.testing.assert_allclose(pivot, np.hypot(case.fluid.velocity[0], moved[:, sampling.PLUNGE_RATE]))
 
 
+def test_a_pivot_at_rest_moves_to_neither_side():
+    for name, words in {"pitch_ramp": ["not moving along Z"], "hawkmoth": ["moving to +Z", "moving to −Z"]}.items():
+        ax = taichiflap.preview(taichiflap.load_case(CASES / f"{name}.toml")).axes[0]
+        assert [text.get_text() for text in ax.get_legend().get_texts()] == words
+        (lines,) = ax.findobj(LineCollection)
+        assert len(np.unique(lines.get_colors(), axis=0)) == len(words)
+
+
 def test_the_chords_drawn_are_those_of_the_motion():
     case = taichiflap.load_case(CASES / "measured_moth.toml")
     figure = taichiflap.preview(case)

@@ -112,8 +112,11 @@ def _draw_path(ax: Any, case: Case, moved: Array) -> None:
     along = page.on_page(np.cos(shown[:, PITCH]), np.sin(shown[:, PITCH]))  # leading to trailing edge
     leading, trailing = pivot - ahead * along, pivot + behind * along
     path = 1e3 * page.on_page(moved[:, SURGE], moved[:, PLUNGE])
-    forth = shown[:, PLUNGE_RATE] > 0.0
-    colours = np.where(forth, palette.LINES[1], palette.LINES[0])
+    kinds = {palette.LINES[1]: "moving to +Z", palette.LINES[0]: "moving to −Z"}
+    colours = np.where(shown[:, PLUNGE_RATE] > 0.0, *kinds)
+    if not moved[:, PLUNGE_RATE].any():
+        kinds = {palette.LIGHT.muted: "not moving along Z"}
+        colours = np.full(len(shown), palette.LIGHT.muted)
     ax.plot(*path.T, color=palette.LIGHT.muted, linewidth=0.6, zorder=2)
     ax.add_collection(
         LineCollection(list(np.stack((leading, trailing), axis=1)), colors=colours, linewidths=1.0, zorder=3)
@@ -136,7 +139,7 @@ def _draw_path(ax: Any, case: Case, moved: Array) -> None:
     if size:
         foot = np.array((0.5 * (low[0] + high[0]), high[1] + 0.3 * chord))
         _arrow(ax, foot, ARROW * chord * stream / size, f"stream, {size:.3g} m/s", palette.LIGHT.force)
-    for colour, name in ((palette.LINES[1], "moving to +Z"), (palette.LINES[0], "moving to −Z")):
+    for colour, name in kinds.items():
         ax.plot([], [], color=colour, marker="o", markersize=3, linewidth=1.0, label=name)
     ax.legend(loc="lower left", ncols=2, bbox_to_anchor=(0.0, 1.0), handlelength=1.6, title_fontsize=7.5,
               title="The chord at even times, its leading edge a dot")  # fmt: skip
