@@ -1,5 +1,7 @@
 """The viewer without a browser: frames, playback, colours, comparison, flow, and errors at the start."""
 
+import contextlib
+import itertools
 import os
 import shutil
 import signal
@@ -17,7 +19,7 @@ import pytest
 import viser
 import zstandard
 from conftest import CASES, hawkmoth
-from taichiflap_viewer import Viewer, ViewError, app, camera, charts, compare, field, timeline, wire
+from taichiflap_viewer import Viewer, ViewError, app, camera, charts, compare, field, server, timeline, wire
 from taichiflap_viewer.colours import DARK, LIGHT, linear
 from taichiflap_viewer.frames import Run
 from taichiflap_viewer.session import opening
@@ -383,19 +385,38 @@ def test_without_the_private_way_values_go_through_the_handle():
     assert (handle.text, handle.visible) == ("beat 1", True)
 
 
+@contextlib.contextmanager
+def _page(viewer):
+    """The socket of a page that has told its camera."""
+    protocol = f"viser-v{viser.__version__}"
+    with connect(f"ws://127.0.0.1:{viewer.port}{viewer.door.path}", subprotocols=[protocol], max_size=None) as page:
+        page.send(msgspec.msgpack.encode(CAMERA))
+        yield page
+
+
+def _until(condition):
+    """Wait until a condition of the server holds."""
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.01)
+
+
+def _said(page):
+    """The next message to a page."""
+    data = page.recv(timeout=30.0)
+    return zstandard.decompress(data[16 : 16 + int.from_bytes(data[8:16], "little")])
+
+
 def test_a_page_gets_its_controls_before_it_has_told_its_name(folder, monkeypatch):
     """This saves a round trip before the page is complete, and playback starts only then."""
     told = threading.Event()
     monkeypatch.setattr(app, "_browser", lambda client: told.wait(30.0) and "a name")
     viewer = Viewer([folder / "dbet.h5"])
     try:
-        protocol = f"viser-v{viser.__version__}"
-        with connect(f"ws://127.0.0.1:{viewer.port}{viewer.door.path}", subprotocols=[protocol], max_size=None) as page:
-            page.send(msgspec.msgpack.encode(CAMERA))
-            received = b""
-            while b"Reset view" not in received:
-                data = page.recv(timeout=30.0)
-                received = zstandard.decompress(data[16 : 16 + int.from_bytes(data[8:16], "little")])
+        with _page(viewer) as page:
+            while b"Reset view" not in _said(page):
+                pass
             (session,) = viewer.sessions
             before = session.playback.position
             session.tick(0.1)
@@ -561,3 +582,66 @@ def test_a_difference_of_means_has_a_standard_error():
     assert compare._error(one, Statistic(2.2, 0.1, None)) is None
     assert compare.Difference("power, mean", "W", 2.0, 2.2, 10.0, 2.5).change == "+10.0 ± 2.5 %"
     assert compare.Difference("power, mean", "W", 2.0, 2.2, 10.0, 1e-6).change == "+10.0 %"
+
+
+@pytest.fixture(scope="module")
+def kinds(folder):
+    """Files by kind of result: with and without a wake, of two sheets, and with a stored flow, in seconds."""
+    edge = (
+        "uvlm.spacing=cosine", "uvlm.loads=vortices", "uvlm.shedding=local", "uvlm.convection=second_order",
+        "uvlm.core=0.05", "uvlm.core_growth=0.3", "uvlm.crossing=pass", "uvlm.leading_edge=sheds", "uvlm.panels=8",
+    )  # fmt: skip
+    ramp = (
+        "solver=navier_stokes", "fluid.viscosity=1e-3", "navier_stokes.cells=64", "navier_stokes.radius=4.0",
+        "time.duration=0.1", "time.step=0.0025", "output.every=10",
+    )  # fmt: skip
+    cases = {
+        "sheds": hawkmoth("time.periods=1", "time.steps_per_period=40", *edge),
+        "viscous": taichiflap.load_case(CASES / "pitch_ramp.toml", ramp),
+    }
+    for name, case in cases.items():
+        taichiflap.simulate(case, folder / f"{name}.h5").close()
+    return {name: folder / f"{name}.h5" for name in ("dbet", "uvlm", *cases)}
+
+
+@pytest.mark.slow
+def test_any_two_results_are_compared(kinds, capfd):
+    for pair in itertools.combinations_with_replacement(kinds, 2):
+        viewer = Viewer([kinds[name] for name in pair])
+        try:
+            with _page(viewer):
+                _until(lambda viewer=viewer: viewer.sessions and viewer.sessions[0].session._started)
+                shown = viewer.sessions[0].session.charts
+                for one in shown.quantities:
+                    assert len(shown._data(one, 0)) == len(shown._series(one)), (pair, one)
+                disabled = {name for name, box in viewer.sessions[0].session.panel.layers.items() if box.disabled}
+                assert ("wake" in disabled, "sheets" in disabled) == (
+                    not {"uvlm", "sheds"} & {*pair}, "sheds" not in pair,
+                )  # fmt: skip
+        finally:
+            viewer.stop()
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_a_page_that_cannot_be_built_says_so_and_others_play_on(folder, monkeypatch, capfd):
+    def fail(*_):
+        raise ZeroDivisionError("one page alone")
+
+    viewer = Viewer([folder / "dbet.h5"])
+    try:
+        with _page(viewer):
+            _until(lambda: viewer.sessions)
+            (well,) = viewer.sessions
+            monkeypatch.setattr(app, "Visit", fail)
+            with _page(viewer) as page:
+                while server.UNBUILT.encode() not in _said(page):
+                    pass
+            monkeypatch.setattr(type(well), "tick", fail)
+            _until(lambda: viewer._printed)
+            monkeypatch.undo()
+            before = well.playback.position
+            _until(lambda: well.playback.position != before)
+    finally:
+        viewer.stop()
+    # By viser, and once for all ticks.
+    assert capfd.readouterr().err.count("ZeroDivisionError: one page alone") == 2

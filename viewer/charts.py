@@ -217,13 +217,18 @@ class Charts:
         assert self._window is not None
         start, end = (step / self.runs[0].steps_per_beat for step in self._window)
         curves: list[Array] = []
-        for run in self.runs:
-            if quantity.name not in (*run.variables, *dict(IN_STREAM)):
-                continue
+        for _, run in self._with(quantity):
             times, values = run.curve(quantity.name, run.step_at(start), run.step_at(end), POINTS)
             for curve in np.atleast_2d(values.T):
                 curves.append(quantity.factor * np.interp(self._times, times, curve, right=np.nan))
         return curves
+
+    def _with(self, quantity: Quantity) -> list[tuple[int, Run]]:
+        """The results that have a quantity, with their numbers."""
+        derived = dict(IN_STREAM)
+        return [
+            (k, run) for k, run in enumerate(self.runs) if quantity.name in derived or quantity.name in run.variables
+        ]
 
     def _data(self, quantity: Quantity, frame: int) -> tuple[Array, ...]:
         curves = self._curves[quantity.name]
@@ -239,7 +244,7 @@ class Charts:
 
     def _series(self, quantity: Quantity) -> tuple[Any, ...]:
         colours: list[str] = []
-        for number, run in enumerate(self.runs):
+        for number, run in self._with(quantity):
             if quantity is MODES:
                 colours += [MODE_COLOURS[k % len(MODE_COLOURS)] for k in range(len(run.shape))]
             else:

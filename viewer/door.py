@@ -4,7 +4,7 @@ As with Jupyter, the address holds a random token, and requests that name anothe
 are refused. Other pages in the user's browser cannot connect, even with DNS rebinding.
 
 It relies on private parts of viser: `viser.infra._infra.websockets`, which opens the port, and the file of its page.
-    With a viser without them the viewer does not start, so that it is never unprotected.
+With a viser without them the viewer does not start, so that it is never unprotected.
 """
 
 import contextlib

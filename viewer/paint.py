@@ -37,8 +37,7 @@ paint();
 
 
 def paint(client: Any, theme: Theme) -> None:
-    """Give a page's labels and lines the colours of a theme; with another version of viser the colours differ "
-    "slightly."""
+    """Give a page's labels and lines the colours of a theme; with another version of viser they differ slightly."""
     wire.run(client, PAINT.substitute(ink=_glsl(theme.ink), ground=_glsl(theme.background)))
 
 

@@ -21,14 +21,14 @@ class Panel:
 
     Args:
         client: the browser.
-        run: the result that is shown.
+        runs: one result, or two to compare; playback follows the first.
         playback: initial state of the controls.
         act: callback of the name of a control and its new value.
     """
 
-    def __init__(self, client: Any, run: Run, playback: Playback, act: Callable[[str, Any], None]) -> None:
+    def __init__(self, client: Any, runs: list[Run], playback: Playback, act: Callable[[str, Any], None]) -> None:
         self._act = act
-        self._run = run
+        run = self._run = runs[0]
         gui = client.gui
         gui.main_panel.dock_left()
         gui.main_panel.set_width(WIDTH)
@@ -48,7 +48,7 @@ class Panel:
             for name, (title, hint) in LAYERS.items():
                 self.layers[name] = gui.add_checkbox(title, playback.layers[name], hint=hint)
                 self._listen(self.layers[name], name)
-            self.suit(run)
+            self.suit(runs)
             self.dark = gui.add_checkbox("Dark", playback.dark)
             self._listen(self.dark, "dark")
         self._legend_panel = gui.add_panel()
@@ -72,13 +72,13 @@ class Panel:
             if event.client is not None:
                 self._act(name, event.target.value)
 
-    def suit(self, run: Run) -> None:
-        """Offer the layers and backgrounds that a run has."""
-        self._run = run
+    def suit(self, runs: list[Run]) -> None:
+        """Offer the layers and backgrounds that these results have."""
+        run = self._run = runs[0]
         without = "" if run.draws_flow else f"{run.case.model} does not provide the flow around the wing"
         for handle, missing in (
             (self.background, bool(without)),
-            *((handle, _is_missing(run, name)) for name, handle in self.layers.items()),
+            *((handle, _is_missing(runs, name)) for name, handle in self.layers.items()),
         ):
             if handle.disabled != missing:
                 handle.disabled = missing
@@ -104,11 +104,12 @@ class Panel:
             self.follow.visible = self._run.live
 
 
-def _is_missing(run: Run, layer: str) -> bool:
-    """Whether a run has nothing to show in a layer."""
+def _is_missing(runs: list[Run], layer: str) -> bool:
+    """Whether there is nothing to show in a layer; the flow and the stroke plane are those of the first result."""
+    run = runs[0]
     return (
-        (layer == "wake" and not run.has_wake)
-        or (layer == "sheets" and not run.has_sheets)
+        (layer == "wake" and not any(one.has_wake for one in runs))
+        or (layer == "sheets" and not any(one.has_sheets for one in runs))
         or (layer == "stroke" and run.path is None)
         or (layer in ("arrows", "streamlines", "streaks") and not run.draws_flow)
         or (layer == "streamlines" and not run.has_streamlines)

@@ -7,6 +7,7 @@ import struct
 import sys
 import threading
 import time
+import traceback
 import warnings
 from collections.abc import Callable
 from html import escape
@@ -24,6 +25,7 @@ from .door import EVERYWHERE, LOCAL, Door
 UPDATES = 30
 """Maximum frames per second during playback."""
 PORTS = 100
+UNBUILT = "This page cannot be shown; the terminal that runs the viewer says why."
 
 
 class ViewError(UserError):
@@ -47,6 +49,7 @@ class Server:
         self.door = Door(host, token, HEAD)
         self._sessions: dict[int, Any] = {}
         self._gone: set[int] = set()
+        self._printed: set[str] = set()
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._threads: list[threading.Thread] = []
@@ -74,6 +77,10 @@ class Server:
                 # The file has been deleted.
                 with contextlib.suppress(RuntimeError):
                     client.gui.add_html(notice(str(error)))
+            except Exception:
+                with contextlib.suppress(RuntimeError):
+                    client.gui.add_html(notice(UNBUILT))
+                raise
 
         self.server.on_client_connect(enter)
         self.server.on_client_disconnect(disconnect)
@@ -141,13 +148,21 @@ class Server:
                 self._guard(session.tick, now - before)
             before = now
 
-    @staticmethod
-    def _guard(call: Any, *arguments: Any) -> None:
-        """Ignore errors of a disconnected browser or of a file in the middle of a write until the next tick."""
+    def _guard(self, call: Any, *arguments: Any) -> None:
+        """Call something for one browser, whose errors are not those of the others.
+
+        Errors of a disconnected browser or of a file in the middle of a write are ignored until the next tick; any
+        other is printed once.
+        """
         try:
             call(*arguments)
         except (RuntimeError, OSError):
             return
+        except Exception:
+            text = traceback.format_exc()
+            if text not in self._printed:
+                self._printed.add(text)
+                print(text, file=sys.stderr)
 
 
 def announce(server: Server, port: int) -> None:

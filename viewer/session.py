@@ -70,7 +70,7 @@ class Session:
         self._usual = address.chosen(playback)
         with client.atomic():
             self._set_theme()
-            self.panel = Panel(client, self.run, playback, self.act)
+            self.panel = Panel(client, self.runs, playback, self.act)
             self.channel = Channel(client, self.act)
             self.bar = Bar(client, self.run)
             self.charts = self._make_charts(playback)

@@ -328,7 +328,7 @@ class ExploreSession(Session):
         usual, playback = opening([self.run]), self.playback
         playback.layers = usual.layers | {"riding": playback.layers["riding"]}
         playback.background = usual.background
-        self.panel.suit(self.run)
+        self.panel.suit(self.runs)
         self.panel.take(playback)
 
     def _drop(self, run: Run) -> None:
