@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from unittest.mock import MagicMock
 from urllib.parse import urlsplit
 
 import h5py
@@ -20,10 +21,14 @@ import viser
 import zstandard
 from conftest import CASES, hawkmoth
 from taichiflap_viewer import Viewer, ViewError, app, camera, charts, compare, field, server, timeline, wire
+from taichiflap_viewer.background import Background
 from taichiflap_viewer.colours import DARK, LIGHT, linear
+from taichiflap_viewer.field import NONE, VORTICITY
 from taichiflap_viewer.frames import Run
-from taichiflap_viewer.session import opening
+from taichiflap_viewer.scene import default_layers
+from taichiflap_viewer.session import Session, opening
 from taichiflap_viewer.stage import set_up
+from taichiflap_viewer.timeline import Playback
 from websockets.sync.client import connect
 
 import taichiflap
@@ -252,6 +257,31 @@ def test_a_growing_file_is_followed_to_its_final_name(tmp_path, run):
         writer.finish().close()
         print(file=reader.stdin, flush=True)
         assert reader.stdout.readline() == f"401 complete {len(result.wake(400)['y'])}\n"
+
+
+def test_a_run_is_followed_to_the_newest_frame_whose_picture_is_there(run, monkeypatch):
+    """Else the next frame comes before the picture of the last, and a page that follows never shows one."""
+    session, asked = Session.__new__(Session), []
+    session.run, session.playback = run, Playback(position=30.0, follow=True, background=VORTICITY)
+    session.playback.layers = default_layers(run)
+    session.background = Background(None, None, None, None)
+    session.background._pictures.update({20: None, 41: None})
+    monkeypatch.setattr(Run, "live", True)
+    assert session._newest() == 41
+    session.playback.position = 60.0
+    assert session._newest() == 60
+    session.playback.background = NONE
+    assert session._newest() == run.frames - 1
+    session.playback.background = VORTICITY
+    monkeypatch.setattr(Run, "live", False)
+    assert session._newest() == run.frames - 1
+    # The picture of the newest frame is asked for with the one that is shown.
+    session.actors, session.theme, session.stage, session.bar = [], None, MagicMock(), MagicMock()
+    session.charts, session.panel, session._cursor, session._beside = MagicMock(), MagicMock(), None, 0.0
+    session.streak_lines, session.runs = MagicMock(), [run]
+    monkeypatch.setattr(session.background, "show", lambda wanted, index, theme, coming: asked.append((index, coming)))
+    session._show(41)
+    assert asked == [(41, [run.frames - 1])]
 
 
 def test_a_growing_run_tells_how_far_it_is_and_how_long_it_takes(run, monkeypatch):

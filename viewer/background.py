@@ -62,6 +62,11 @@ class Background:
         """Number of frames per image during playback."""
         return max(1, round(self._fields.run.frames_per_beat / PICTURES))
 
+    @property
+    def newest(self) -> int:
+        """The last frame whose image the page has; 0 for none."""
+        return max(self._pictures, default=0)
+
     def show(self, wanted: Wanted, index: int, theme: Theme, coming: Iterable[int] = ()) -> None:
         """Show the flow of a frame as soon as it is available, and prepare that of the next frames."""
         if (wanted, theme) != self._style:

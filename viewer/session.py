@@ -120,13 +120,20 @@ class Session:
             self._beside = 0.0
             self.bar.tell(self.run)
             if self.playback.follow:
-                self.playback.position = float(self.run.frames - 1)
+                self.playback.position = float(self._newest())
                 self.playback.follow = self.run.live
             if self._surveys != [run.surveys for run in self.runs]:
                 self._build()
                 self.view.fit(self.run.first_view(self.playback.layers["riding"]))
             self.charts.read_again(self.playback)
             self.show()
+
+    def _newest(self) -> int:
+        """The frame to follow a run to: while it computes, the newest whose picture the page has."""
+        newest = self.run.frames - 1
+        if not self.run.live or self._look().kind == NONE:
+            return newest
+        return max(self.playback.frame, self.background.newest)
 
     def show(self) -> None:
         """Show the current frame; a frame that is being written is shown later."""
@@ -143,6 +150,8 @@ class Session:
         if self.playback.playing and (wanted.kind != NONE or streaks):
             step, stride = self.background.step, self.background.stride
             index, coming = step(index), [step(one) for one in timeline.coming(self.run, self.playback, stride, AHEAD)]
+        elif self.playback.follow:
+            coming = [self.run.frames - 1]
         for actor in self.actors:
             here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
             actor.show(here, self._layers(actor))
