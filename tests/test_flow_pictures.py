@@ -255,6 +255,28 @@ def test_vtkhdf_has_the_flow_as_a_temporal_image(moth, exported):
         np.testing.assert_allclose(root["PointData/vorticity"][5, 0], expected, rtol=1e-4, atol=1e-2)
 
 
+@pytest.mark.slow
+def test_in_a_stream_the_flow_lies_where_the_wing_does(tmp_path):
+    """Both files of ParaView have the page (Z, -Y), whatever the direction of the stream."""
+    with taichiflap.simulate(hawkmoth(*NS, "wing.modes=0", "fluid.velocity=[2.0, 0.5]", "output.every=200")) as result:
+        with h5py.File(export(result, "vtkhdf", tmp_path / "wing.vtkhdf")) as file:
+            wing_points = file["VTKHDF/Points"][-len(result.stations) :, :2]
+        with h5py.File(export(result, "flow.vtkhdf", tmp_path / "flow.vtkhdf")) as file:
+            root = file["VTKHDF"]
+            extent, origin, spacing = (root.attrs[name] for name in ("WholeExtent", "Origin", "Spacing"))
+            spin, velocity = root["PointData/vorticity"][-1, 0], root["PointData/velocity"][-1, 0]
+        right, up = (origin[i] + spacing[i] * np.arange(extent[2 * i + 1] + 1) for i in (0, 1))
+        field = Field.of(result, result.frames - 1)
+        np.testing.assert_allclose(spin, field.resampled(-up, right), rtol=1e-4, atol=1e-2)
+        y, z = field.velocity_at(np.stack(np.broadcast_arrays(-up[:, None], right[None, :])))
+        np.testing.assert_allclose(velocity[..., 0], z, rtol=1e-5, atol=1e-5)
+        np.testing.assert_allclose(velocity[..., 1], -y, rtol=1e-5, atol=1e-5)
+    # Mid-chord lies within the section, where the flow has no value.
+    across, along = wing_points.mean(axis=0)
+    row, column = np.argmin(np.abs(up - along)), np.argmin(np.abs(right - across))
+    assert np.isnan(spin[row - 1 : row + 2, column - 1 : column + 2]).any()
+
+
 def test_a_model_without_vorticity_has_no_grid_of_it(tmp_path):
     with (
         taichiflap.simulate(hawkmoth("solver=dbet", "time.periods=1", "time.steps_per_period=40")) as result,

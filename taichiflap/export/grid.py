@@ -2,8 +2,8 @@
 
 Both have the vorticity and the velocity of the fluid in every frame, NaN inside the section.
 
-- VTKHDF: a temporal ImageData on the page of `taichiflap.drawing.scene`, as `vtkhdf` has the wing, in the plane z = 0;
-  point data `vorticity` (1/s) and `velocity` (m/s).
+- VTKHDF: a temporal ImageData in the plane z = 0, where `vtkhdf` has the wing: x is Z and y is -Y, with a stream as
+  well, or the chord and its normal in the wing's frame; point data `vorticity` (1/s) and `velocity` (m/s).
 - netCDF: variables `vorticity`, `velocity_y` and `velocity_z` over time and both axes, `Y` and `Z`, or `y` and `z` from
   the pivot in the wing's frame; and `wing_y`, `wing_z`, the nodes.
 """
@@ -41,7 +41,7 @@ class Grid:
 
     Args:
         reference: the frame of reference in which it stands still.
-        paged: whether its axes are those of the page, instead of Y and Z.
+        upright: whether its axes are Z and -Y, instead of Y and Z; without effect in the wing's frame.
 
     Attributes:
         along, up: its coordinates, m.
@@ -50,22 +50,22 @@ class Grid:
         GridError: when the result holds no vorticity.
     """
 
-    def __init__(self, result: Result, reference: str, paged: bool) -> None:
+    def __init__(self, result: Result, reference: str, upright: bool) -> None:
         if not flow.stored(result):
             raise GridError(f"{result.case.model} stores no vorticity, so that it has none to export on a grid")
         self._result, self._reference = result, reference
-        self._paged = paged or reference != INERTIAL
+        self._standing = None if reference != INERTIAL else Standpoint(Orientation() if upright else PLAIN)
         box = flow.extent(result, range(result.frames), reference).box
-        if not self._paged:
+        if self._standing:
             corners = np.reshape([box[i] for i in (0, 1, 2, 1, 0, 3, 2, 3)], (4, 2))
-            y, z = Orientation.of(result.case).off_page(corners)
-            box = float(y.min()), float(z.min()), float(y.max()), float(z.max())
+            right, up = self._standing.vectors(*Orientation.of(result.case).off_page(corners)).T
+            box = float(right.min()), float(up.min()), float(right.max()), float(up.max())
         self.box, self.shape = box, flow.shape_of(box, ACROSS)
         self.along, self.up = flow.middles(box, self.shape)
 
     def stand(self, index: int) -> Standpoint:
         """The frame of reference of a frame."""
-        return Standpoint.of(self._result, index, self._reference) if self._paged else Standpoint(PLAIN)
+        return self._standing or Standpoint.of(self._result, index, self._reference)
 
     def frames(self) -> Iterator[tuple[Array, Array]]:
         """Vorticity (up, along) and velocity (up, along, 2) of each frame, along the grid's axes."""
@@ -99,7 +99,7 @@ def write_flow(result: Result, path: Path, reference: str = INERTIAL) -> None:
         GridError: when the result holds no vorticity.
         OutputError: when the file cannot be written.
     """
-    grid = Grid(result, reference, paged=True)
+    grid = Grid(result, reference, upright=True)
     rows, columns = grid.shape
     with _writing(path) as (file, guard):
         root = file.create_group("VTKHDF")
@@ -132,7 +132,7 @@ def write_netcdf(result: Result, path: Path, reference: str = INERTIAL) -> None:
         GridError: when the result holds no vorticity.
         OutputError: when the file cannot be written.
     """
-    grid = Grid(result, reference, paged=False)
+    grid = Grid(result, reference, upright=False)
     first, second = ("Y", "Z") if reference == INERTIAL else ("y", "z")
     where = "inertial frame" if reference == INERTIAL else "from the pivot, in the wing's axes"
     axes = {
