@@ -23,6 +23,19 @@ def test_one_strip_is_the_section_at_its_middle_bit_for_bit():
     assert found.strips[0].radius == pytest.approx(0.5 * case.wing.span)
 
 
+def test_means_are_those_of_a_summary_when_a_run_ends_within_a_beat():
+    document = hawkmoth("solver=dbet").to_dict()
+    document["time"] = {"duration": 0.11, "step": 3e-4}  # 2.75 beats of 133 1/3 steps
+    case = taichiflap.case.parse_case(document)
+    found = study.strips(case, 1, at=0.5)
+    with taichiflap.simulate(case) as result:
+        summary = taichiflap.summarise(result)
+    assert found.beats == summary.beats == 1
+    for name in study.SERIES:
+        assert found.means[name] == pytest.approx(getattr(summary, name).mean, rel=1e-12)
+    assert found.power_positive == pytest.approx(summary.power_positive.mean, rel=1e-12)
+
+
 @pytest.mark.parametrize("wing", ["even", "measured"])
 def test_strips_that_move_alike_are_the_whole_section(wing):
     """In pure pitch the radius does not matter: the sum of any number of strips is the section."""

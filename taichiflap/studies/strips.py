@@ -59,7 +59,7 @@ class Strips:
         strips: strips from root to tip.
         time: times, s, shape (steps + 1,).
         total: sums over the strips, by name of the series, same shape.
-        means: means of the sums over the last `beats` beats.
+        means: means of the sums over the last `beats` whole beats.
         power_positive: mean of the positive part of the summed power, W.
         beats: number of beats of the means, for which every strip has settled.
     """
@@ -116,10 +116,10 @@ def strips(
     for middle, result in zip(middles, results, strict=True):
         if result.status == "failed":
             raise StripsError(f"the strip at {middle:.3g} m failed: {result.attributes['reason']}")
-    beats = min(len(settled_beats(result)) for result in results)
+    beats = min((settled_beats(result) for result in results), key=len)
     if not beats:
         raise StripsError(f"no whole beat for the means; {CURE}")
-    last = slice(-round(beats * cases[0].steps_per_beat), None)
+    last = beats.frames
     total = {name: np.sum([getattr(result, name) for result in results], axis=0) for name in SERIES}
     found = tuple(
         Strip(
@@ -131,7 +131,8 @@ def strips(
         for middle, result in zip(middles, results, strict=True)
     )
     means = {name: float(np.mean(one[last])) for name, one in total.items()}
-    return Strips(found, results[0].time, total, means, float(np.mean(np.maximum(total["power"][last], 0.0))), beats)
+    positive = float(np.mean(np.maximum(total["power"][last], 0.0)))
+    return Strips(found, results[0].time, total, means, positive, len(beats))
 
 
 def sections(
