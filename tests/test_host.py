@@ -72,7 +72,9 @@ def test_the_fields_of_a_host_survive_or_the_run_is_refused():
         for other in ({"default_fp": ti.f32}, {"fast_math": True}):
             ti.init(**ALIKE | other)
             field = held()
-            assert "in a process of its own" in refusal() and intact(field)
+            said = refusal()
+            assert "in a process of its own" in said and "initialise it there with ti.init(arch=" in said
+            assert intact(field)
         """
     )
 

@@ -27,6 +27,13 @@ def test_no_vortices_no_velocity():
     assert not induced_velocity(np.ones((2, 3)), np.empty((3, 0))).any()
 
 
+@pytest.mark.parametrize("shapes", [((4, 2), (3, 5)), ((2, 4), (5, 3)), ((), (3, 5))])
+def test_points_in_rows_instead_of_columns_are_refused(shapes):
+    points, vortices = map(np.ones, shapes)
+    with pytest.raises(ValueError, match=r"has the shape \(.*\); give \([23], \.\.\.\)"):
+        induced_velocity(points, vortices)
+
+
 def test_a_point_does_not_depend_on_its_neighbours(rng):
     points, vortices = rng.normal(size=(2, 40)), rng.normal(size=(3, 100))
     alone = np.hstack([induced_velocity(points[:, [i]], vortices) for i in range(40)])

@@ -186,7 +186,7 @@ def _take(runtime: Any) -> None:
     if not alike or config.fast_math or config.real_matrix_scalarize:
         raise ProgramError(
             "Taichi was initialised by other code in this process with incompatible settings, and initialising it "
-            "again would destroy that code's fields: initialise it there with {CALL}, or run taichiflap in a process "
+            f"again would destroy that code's fields: initialise it there with {CALL}, or run taichiflap in a process "
             "of its own"
         )
     try:

@@ -46,8 +46,10 @@ def series(points: Points, smooth: int | None, tolerance: float | None = None) -
     """
     if smooth is not None:
         return _fit(points, smooth)
-    found = (_fit(points, n) for n in range(1, most(points) + 1))
-    return next((one for one in found if one.residual <= (tolerance or 0.0)), _fit(points, most(points)))
+    for n in range(1, most(points)):
+        if (found := _fit(points, n)).residual <= (tolerance or 0.0):
+            return found
+    return _fit(points, most(points))
 
 
 @functools.lru_cache(maxsize=256)

@@ -55,7 +55,7 @@ def allocate(cases: int, vortices: int) -> Any:
 
 
 def _power_of_two(vortices: int) -> int:
-    """Number of leaves of a tree with `count` vortices."""
+    """Number of leaves of a tree with so many vortices."""
     return 1 << max(0, math.ceil(math.log2(max(1, vortices) / LEAF)))
 
 

@@ -107,13 +107,19 @@ def induced_velocity(
 
     Returns:
         Velocity along Y and Z, m/s, in the shape of `points`.
+
+    Raises:
+        ValueError: if the first axis of `points` is not 2 long, or that of `vortices` not 3.
     """
+    given, bound = np.asarray(points, dtype=np.float64), np.array(vortices, dtype=np.float64)
+    for name, found, rows in (("points", given, 2), ("vortices", bound, 3)):
+        if found.shape[:1] != (rows,):
+            raise ValueError(f"{name} has the shape {found.shape}; give ({rows}, ...), one row per quantity")
     start()
-    given = np.asarray(points, dtype=np.float64)
     targets = given.reshape(1, 2, -1)
     count = targets.shape[2]
     targets = np.pad(targets, ((0, 0), (0, 0), (0, -count % 8)))
-    sources = np.array(vortices, dtype=np.float64).reshape(1, 3, -1)
+    sources = bound.reshape(1, 3, -1)
     sources = np.concatenate((sources, np.full_like(sources[:, :1], core * core)), axis=1)
     velocity = np.zeros_like(targets)
     if count and sources.size:
