@@ -328,18 +328,20 @@ def init(
 ) -> None:
     """Write a commented case file to start from."""
     from .case import shipped
-    from .case.case import CaseError
     from .case.template import commented_case
-    from .files import replacing
+    from .files import check, replacing
 
-    texts = {file: shipped.text(source) if source else commented_case()}
+    contents = {file: (shipped.text(source) if source else commented_case()).encode()}
+    check(file, overwrite)
     for table in shipped.tables(source) if source else ():
-        texts[file.parent / table.name] = table.read_text(encoding="utf-8")
-    for path, text in texts.items():
-        if path.exists() and not overwrite:
-            raise CaseError(str(path), ["exists already; use --overwrite to replace it, or name another file"])
+        path, content = file.parent / table.name, table.read_bytes()
+        if path == file:
+            raise UserError(f"{file}: is the name of the case's motion table; name the case file {source}.toml")
+        check(path, overwrite or (path.is_file() and path.read_bytes() == content))
+        contents[path] = content
+    for path, content in contents.items():
         with replacing(path) as written:
-            written.write(text.encode())
+            written.write(content)
     print(f"{file} written; edit it, then run: taichiflap simulate {file}")
 
 

@@ -68,7 +68,8 @@ def standing_in(path: Path) -> Iterator[Path]:
         yield draft
         disk.replace(draft, path)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or str(error).splitlines()[0]}") from None
+        why = error.strerror or str(error).partition("\n")[0]
+        raise OutputError(f"{path}: cannot be written: {why}") from None
     finally:
         with contextlib.suppress(OSError):
             draft.unlink()

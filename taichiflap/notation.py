@@ -7,8 +7,8 @@ PREFIXES = (
     (1e9, 1e-9, "G"), (1e6, 1e-6, "M"), (1e3, 1e-3, "k"), (1.0, 1.0, ""), (1e-4, 1e3, "m"),
     (1e-7, 1e6, "µ"), (0.0, 1e9, "n"),
 )  # fmt: skip
-"""Minimum size for a prefix, its factor, and the prefix. Milli is used up to 0.1, since an insect's wing is measured in
-mN, mW and mm.
+"""Minimum size for a prefix, its factor, and the prefix. Milli is used from 0.1 on, since an insect's wing is measured
+in mN, mW and mm.
 """
 
 

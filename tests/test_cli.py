@@ -93,7 +93,8 @@ def test_settings_change_the_case(tmp_path):
             ("info", CASES / "hawkmoth.toml"),
             ["hawkmoth.toml: this is a case file, not a result; run it with taichiflap simulate"],
         ),
-        (("init", "."), ["exists already"]),
+        (("init", "."), ["is a directory; name a file"]),
+        (("init", "measured_moth.csv", "--from", "measured_moth"), ["name the case file measured_moth.toml"]),
         (("simulate", CASES / "hawkmoth.toml", "--threads", "0"), ["--threads"]),
         (("simulat",), ["simulat"]),
     ],
@@ -174,6 +175,13 @@ def test_init_takes_a_case_that_comes_along_with_its_tables(tmp_path):
         ran = run("init", f"my_{name}.toml", "--from", name, cwd=tmp_path)
         assert ran.returncode == 0, ran.stderr
         assert taichiflap.load_case(tmp_path / f"my_{name}.toml") == taichiflap.load_case(CASES / f"{name}.toml")
+    table = tmp_path / "tabulated_stroke.csv"
+    assert run("init", "again.toml", "--from", "tabulated_stroke", cwd=tmp_path).returncode == 0
+    table.write_text("0 0\n1 0\n")  # the user's own
+    ran = run("init", "other.toml", "--from", "tabulated_stroke", cwd=tmp_path)
+    assert (ran.returncode, table.read_text()) == (2, "0 0\n1 0\n")
+    assert "tabulated_stroke.csv: exists already" in ran.stderr
+    assert not (tmp_path / "other.toml").exists()
     ran = run("init", "other.toml", "--from", "hawkmot", cwd=tmp_path)
     assert ran.returncode == 2
     assert ran.stderr == "error: hawkmot: no bundled case has this name; did you mean hawkmoth?\n"

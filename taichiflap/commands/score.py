@@ -1,5 +1,6 @@
 """The command `score`: compare the models with published data, or with the user's own measurement."""
 
+import math
 import sys
 from contextlib import nullcontext
 from pathlib import Path
@@ -69,6 +70,9 @@ def _compare(
 
     if case_file is None or not files:
         raise ScoreError("a case file and --against go together: taichiflap score CASE --against trace.csv")
+    for name, value in (("--speed", speed), ("--area", area)):
+        if value is not None and not 0.0 < value < math.inf:
+            raise ScoreError(f"{name} {value:g}: give a number above 0, or leave it out")
     case = load_case(case_file, settings)
     if not named:
         wanted = [tier for tier in wanted if tier.takes(Regime.of(case).reynolds)]

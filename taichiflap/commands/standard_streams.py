@@ -77,8 +77,7 @@ def settle() -> None:
 
 
 def failed() -> bool:
-    """Flush both, and report on standard error if standard output could not be written. A closed pipe is not an "
-    "error."""
+    """Flush standard output, and report on standard error if it could not be written. A closed pipe is not an error."""
     sys.stdout.flush()
     failure = getattr(sys.stdout, "failure", None)
     if failure is None or failure.errno == errno.EPIPE:

@@ -217,9 +217,13 @@ def _measured(measured: Measured, frequency: float) -> str:
 
 
 def _travel(motion: Motion, axis: Travel, unit: str) -> str:
-    """Range of plunge or pitch, and its kind if not harmonic."""
+    """Range of plunge or pitch, its kind if not harmonic, and the number of its higher harmonics."""
     keys = axis.in_si(motion.frequency)
-    far = max((abs(value) for _, value in keys["points"]), default=0.0) if "points" in keys else keys["amplitude"]
+    more = keys.get("harmonics", ())
+    sizes = (
+        [value for _, value in keys["points"]] if "points" in keys else [keys["amplitude"], *(a for _, a, _ in more)]
+    )
+    far = max(map(abs, sizes))
     scale, unit = (180.0 / math.pi, unit) if unit == "deg" else prefixed(far, unit)
     if "points" in keys:
         values = [scale * value for _, value in keys["points"]]
@@ -229,4 +233,5 @@ def _travel(motion: Motion, axis: Travel, unit: str) -> str:
     kind = "" if axis.kind == "harmonic" else f" ({axis.kind})"
     middle = keys.get("mean", keys.get("initial"))
     about = f" about {scale * middle:.3g} {unit}" if middle else ""
-    return f"{scale * keys['amplitude']:.3g} {unit}{about}{kind}"
+    terms = f" and {len(more)} harmonic{'s' if len(more) > 1 else ''}" if more else ""
+    return f"{scale * keys['amplitude']:.3g} {unit}{terms}{about}{kind}"
