@@ -163,6 +163,9 @@ def text_of(rows, scale=1e3 / FREQUENCY):
         ), {}),
         (text_of(rows_of()), {"time": "ms"}),
         ("a,b,c,d\n" + text_of(rows_of(), 1.0), {"time": "periods", "stroke": 2, "deviation": "c", "rotation": "d"}),
+        ("rotation angle;deviation angle;stroke angle;t [ms]\n" + "".join(
+            f"{r:.9f};{d:.9f};{s:.9f};{1e3 * t / FREQUENCY:.9f}\n" for t, s, d, r in rows_of()
+        ), {}),
         ("t_ms,phi_rad,theta_rad,alpha_rad\n" + text_of(
             np.column_stack((TURNS, *np.radians(np.array(beat(TURNS)))))
         ), {}),
@@ -202,6 +205,7 @@ RAMP = np.column_stack((TURNS, beat(TURNS)[0], 20.0 * TURNS, beat(TURNS)[2]))
         (rows_of() * [1 / FREQUENCY, 1, 1, 1], {}, 'they look like s: give time = "s"'),
         (rows_of(), {"time": "s"}, 'they look like periods: give time = "periods"'),
         (rows_of()[:20], {}, "0.5 of a beat"),
+        (rows_of()[:1], {}, "has a single point; give at least one beat with 8 points"),
         (rows_of(), {"smooth": 25}, "smooth = 25: 40 points resolve at most 19 harmonics"),
         (rows_of(), {"radius": 0}, "motion.measured.radius = 0: must be a number > 0"),
         (rows_of(), {"radius": None}, "give either radius (m) or radius_share (of wing.span)"),
@@ -224,6 +228,9 @@ def test_missing_and_doubled_columns_are_named(tmp_path):
     (tmp_path / "moth.csv").write_text("t,phi,theta\n" + text_of(rows_of()[:, :3], 1.0))
     with pytest.raises(CaseError, match=r"which column is rotation; its columns are 1: t, 2: phi, 3: theta"):
         case_of(None, tmp_path, file="moth.csv")
+    (tmp_path / "both.csv").write_text("t,phi_left,phi_right,theta,alpha\n0,1,2,3,4\n")
+    with pytest.raises(CaseError, match=r'several columns may be stroke: column 2 \("phi_left"\), column 3'):
+        case_of(None, tmp_path, file="both.csv")
     with pytest.raises(CaseError, match="the same column is used twice"):
         case_of(None, tmp_path, file="moth.csv", rotation="theta", deviation="theta")
     with pytest.raises(CaseError, match="give either plunge, pitch and surge or measured"):

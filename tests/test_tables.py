@@ -110,7 +110,7 @@ def test_a_table_is_read_right(kind, tmp_path):
 
 
 def test_millimetres_and_millimetres_by_name(tmp_path):
-    for content, keys in (("t,Z (mm)\n", {}), ("", {"unit": "mm"})):
+    for content, keys in (("t,Z (mm)\n", {}), ("t,Z [millimeters]\n", {}), ("", {"unit": "mm"})):
         case = case_with(tmp_path, content + rows(1e3 * PLUNGE), "plunge", **keys)
         np.testing.assert_allclose(moved(case, sampling.PLUNGE), PLUNGE, atol=1e-8)
 
@@ -139,7 +139,15 @@ REFUSED = {
     "metres for a pitch": ("t,Z (m)\n" + rows(), {}, "is in m, which is not an angle"),
     "an unknown unit": (HEADED, {"unit": "grad"}, 'unit = "grad" is not an angle; give deg or rad'),
     "microseconds": ("t (us),theta\n" + rows(), {}, "has times in us; give them in s, ms or periods"),
+    "microseconds with a micro sign": ("t (\u00b5s),theta\n" + rows(), {}, "has times in \u00b5s"),
     "frames": ("t (frames),theta\n" + rows(), {}, "has times in frames"),
+    "a column of frames": ("frame,theta\n" + rows(), {}, 'column 1 ("frame") has times in frame'),
+    "a rate": ("t,theta (rad/s)\n" + rows(), {}, "is in rad/s, which is not an angle in a supported unit"),
+    "times for a pitch": ("t (s),t (ms),pitch\n" + rows(separator=",1,"), {}, "is in ms, which is not an angle"),
+    "two columns of a name": ("t,pitch_left,pitch_right\n" + rows(separator=",1,"), {"column": "pitch"},
+        'has several columns "pitch": column 2 ("pitch_left"), column 3 ("pitch_right")'),
+    "periods of a run": ("t/T,theta\n" + rows(), {"periodic": False}, "cover 0 to 0.04 s but the case runs from 0 to "
+    "0.08 s; give more points, or make it periodic"),
     "names with spaces between spaces": ("time (ms)  pitch angle (rad)\n" + rows(separator="  "), {}, "3 names for 2"),
     "beyond the period": (rows(times=1.02 * TURNS), {}, "1.02 periods instead of about one"),
     "a spreadsheet": (b"PK\x03\x04 and more", {}, "a spreadsheet, not a text file; save its columns as CSV"),
@@ -151,6 +159,12 @@ REFUSED = {
     "smooth without a period": (rows(), {"smooth": 8, "periodic": False}, "smooth and smooth_error need a periodic "
     "table"),
 }  # fmt: skip
+
+
+def test_micrometres_are_not_metres(tmp_path):
+    for unit in ("\u00b5m", "\u03bcm", "um"):
+        with pytest.raises(CaseError, match=f"is in {unit}, which is not a length in a supported unit"):
+            case_with(tmp_path, f"t,Z ({unit})\n" + rows(1e6 * PLUNGE), "plunge")
 
 
 @pytest.mark.parametrize("kind", REFUSED)
@@ -229,6 +243,17 @@ def test_a_smoothed_table_of_harmonics_is_these_harmonics(key, tmp_path):
     found = fourier.series(points, 4)
     assert found.residual == pytest.approx(0.2 * np.sqrt(51 / 60), rel=0.15)
     assert not found.blind
+
+
+def test_a_tolerance_takes_no_more_harmonics_than_it_needs(tmp_path, monkeypatch):
+    """The most that many points resolve would take a matrix of as many rows and columns."""
+    fitted = []
+    fit = fourier._fit
+    monkeypatch.setattr(fourier, "_fit", lambda points, harmonics: fitted.append(harmonics) or fit(points, harmonics))
+    turns = np.arange(500) / 500
+    points = tuple(zip(turns.tolist(), np.sin(4 * np.pi * turns).tolist(), strict=True))
+    assert len(fourier.series(points, None, 1e-6).terms) == 2
+    assert fitted == [1, 2]
 
 
 def test_ends_that_differ_are_smoothed_together(tmp_path):

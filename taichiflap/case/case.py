@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -36,6 +37,8 @@ LEAST_STEPS = 4
 """Minimum number of steps per period, or per run, with an automatic step."""
 WITHIN_WORDS = str.maketrans("-.:", "___")
 """Characters allowed in a setting's value without quotes."""
+HALF_A_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?")
+"""A number as other languages write it, but not TOML."""
 LONGEST_SHOWN = 60
 """Maximum length of a rejected value in a message."""
 MOMENTS = 1024
@@ -204,7 +207,7 @@ class Case(CaseTable):
             steps = max(math.ceil(duration / self.matched_step()), LEAST_STEPS)
             return steps, duration / steps
         step = cast(float, time.step)
-        return max(1, math.floor(duration / step * (1.0 + 1e-12))), step
+        return math.floor(duration / step * (1.0 + 1e-12)), step
 
     def _edge_speed(self, behind: float) -> float:
         """Root-mean-square speed (m/s) relative to the stream over a beat, at a distance behind the pivot in chords."""
@@ -311,8 +314,10 @@ class Case(CaseTable):
         keys = {key.partition("=")[0].strip() for key in keys}
         names = {key.partition(".")[0] for key in keys}
         opened = self.model_dump(mode="json", exclude_none=True, include=names)
-        if "uvlm" in opened:  # its defaults depend on the leading edge
-            opened["uvlm"] = self.uvlm.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+        # Defaults of the lattice depend on its leading edge, and those of the time are in periods.
+        for name, table in (("uvlm", self.uvlm), ("time", self.time)):
+            if name in opened:
+                opened[name] = table.model_dump(mode="json", exclude_none=True, exclude_unset=True)
         if "motion" in opened:
             opened["motion"] = reopened(opened["motion"], keys, self.origin)
         return {name: opened.get(name, value) for name, value in self if value is not None}
@@ -451,11 +456,16 @@ def read_value(text: str) -> Any:
         ValueError: if it is neither.
     """
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        found = tomllib.loads(f"value = {text}")
     except (ValueError, OverflowError, RecursionError):
+        if HALF_A_NUMBER.fullmatch(text):
+            raise ValueError(f"{_shown(text)} needs digits on both sides of the point, as in 0.5") from None
         if text.translate(WITHIN_WORDS).isidentifier():
             return text
-        raise ValueError(f'{_shown(text)!r} is not a number, true, false, a "text" or a [list]') from None
+        found = {}
+    if len(found) != 1:  # or several lines
+        raise ValueError(f'{_shown(text)!r} is not a number, true, false, a "text" or a [list]')
+    return found["value"]
 
 
 def _shown(text: str) -> str:

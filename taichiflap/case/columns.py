@@ -40,13 +40,13 @@ UNITS = frozenset(
         "sec",
         "ms",
         "us",
-        "µs",
+        "\u03bcs",
         "min",
         "m",
         "cm",
         "mm",
         "um",
-        "µm",
+        "\u03bcm",
         "in",
         "ft",
         "deg",
@@ -60,7 +60,7 @@ UNITS = frozenset(
         "-",
     )
 )
-"""Units recognised in a row of units, besides text in brackets."""
+"""Units recognised in a row of units, besides text in brackets; `plain` makes the micro sign a Greek letter."""
 
 
 class ColumnsError(ValueError):
@@ -109,7 +109,10 @@ def column(columns: list[Column], which: int | str) -> Column:
             return columns[which - 1]
         line, _ = columns[0].cells[0]
         raise ColumnsError(f"line {line} has no column {which}; the last is {len(columns)}")
-    found = [one for one in columns if plain(which) in (plain(one.name), bare(one.name))]
+    found = [one for one in columns if plain(which) == plain(one.name)]
+    found = found or [one for one in columns if plain(which) == bare(one.name)]
+    if len(found) > 1:
+        raise ColumnsError(f'has several columns "{which}": {", ".join(map(str, found))}; give a number or whole name')
     if found:
         return found[0]
     names = [one.name for one in columns if one.name]

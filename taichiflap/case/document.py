@@ -55,9 +55,9 @@ def read_bytes(path: Path, *, regular: bool = False) -> bytes:
     if "\0" in str(path):
         raise DocumentError("a file name cannot contain NUL")
     # Open first, then check, so that the file cannot be replaced in between; do not wait for a pipe.
-    handle = os.open(path, os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | (getattr(os, "O_NONBLOCK", 0) if regular else 0))
-    with open(handle, "rb") as file:
-        found = os.fstat(handle)
+    at_once = getattr(os, "O_NONBLOCK", 0) if regular else 0
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | at_once)) as file:
+        found = os.fstat(file.fileno())
         if regular and not stat.S_ISREG(found.st_mode):
             raise DocumentError("not a regular file")
         data = b"" if found.st_size > MOST_BYTES else file.read(MOST_BYTES + 1)

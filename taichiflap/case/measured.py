@@ -103,7 +103,7 @@ class Measured(CaseTable):
             raise ValueError('has no angles: give file = "...", or angles_deg')
         for early, late in itertools.pairwise(self.angles_deg):
             if late[0] <= early[0]:
-                raise ValueError(f"times must increase, but {late[0]:g} follows {early[0]:g}")
+                raise ValueError(f"times must increase, but {late[0]:.9g} follows {early[0]:.9g}")
         for place, name in enumerate(NAMES, 1):
             problem = _jump([row[place] for row in self.angles_deg], [row[0] for row in self.angles_deg])
             if problem:
@@ -113,6 +113,8 @@ class Measured(CaseTable):
     def problem(self, frequency: float) -> str:
         """Why its times do not fit beats of a frequency (Hz); empty if they do."""
         times = [row[0] for row in self.angles_deg]
+        if len(times) == 1:
+            return f"has a single point; give at least one beat with {FEWEST} points"
         beat = period(self.clock, frequency)
         span, usual = times[-1] - times[0], spacing(times)
         beats = (span + usual) / beat

@@ -105,16 +105,22 @@ def _owner(keys: Keys, document: Any, root: type[BaseModel]) -> tuple[type[BaseM
 
 
 def _nearest_key(keys: Keys, document: Any, root: type[BaseModel]) -> str:
-    *tables, last = keys
+    *path, last = keys
     model: type[BaseModel] | None = root
+    kinds: list[type[BaseModel]] = []
     value = document
-    for table in tables:
-        value = value[table]
-        model = _table(model.model_fields[str(table)], value) if model else None
+    for name in path:
+        value = value[name]
+        field = model.model_fields[str(name)] if model else None
+        kinds = tables(field) if field else []
+        model = _table(field, value) if field else None
+    others = [_shown(get_args(_annotation(kind, "kind"))[0]) for kind in kinds if last in kind.model_fields]
+    if others:
+        return f"; it belongs to kind = {' or '.join(others)}"
     here = list(model.model_fields) if model else []
     nearest = difflib.get_close_matches(str(last), here, 1)
     if nearest:
-        return f"; did you mean {_dotted([*tables, nearest[0]])}?"
+        return f"; did you mean {_dotted([*path, nearest[0]])}?"
     elsewhere = [path for path in _all_keys(root) if path.rpartition(".")[2] == last]
     if elsewhere:
         return f"; did you mean {elsewhere[0]}?"

@@ -21,6 +21,9 @@ from .schema import CaseTable, key, needed
 from .tables import TablePitch, TablePlunge
 from .travel import HARMONICS, AngleHarmonics, LengthHarmonics, Travel
 
+ROUNDED = 1e-5
+"""Relative tolerance of a limit that a message shows with six digits."""
+
 
 class _LengthWave(Travel):
     amplitude: float = key(0.0, unit="m", text="amplitude", ge=0, le=100)
@@ -118,7 +121,7 @@ class _Ramp(Travel):
     @classmethod
     def _leaves_a_ramp(cls, value: float, info: ValidationInfo) -> float:
         ramp = info.data.get("ramp")
-        if ramp is not None and value * ramp < 1.0:
+        if ramp is not None and value * ramp < 1.0 - ROUNDED:
             raise ValueError(f"rounds the corners over {1.0 / value:g} s, longer than the ramp; give >= {1.0 / ramp:g}")
         return value
 

@@ -35,7 +35,7 @@ class CaseTable(BaseModel):
             raise ValueError("must be one line of printable characters")
         tiny = _tiny(value)
         if tiny:
-            raise ValueError(f"{tiny:g} is too small; give 0 or a value above {LEAST:g}")
+            raise ValueError(f"{tiny:g} is too small; give at least {LEAST:g} in size, or 0 if the key may be 0")
         return value
 
 

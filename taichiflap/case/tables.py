@@ -17,6 +17,8 @@ ENDS = 1e-3
 """Share of the range of values within which both ends of a period count as equal (rounded) values."""
 LEAST_SHARE = 0.45
 """Minimum share of the period that a periodic table covers; less suggests a different unit of time."""
+SMOOTH = 8
+"""Suggested number of harmonics, as far as the points resolve so many."""
 Points = tuple[tuple[float, float], ...]
 
 POINTS = "points [time, value] to pass through; times in periods if periodic, else in s, or in the unit given by time"
@@ -83,7 +85,7 @@ class Table(Travel):
             raise ValueError(f"has {len(points)} points; give at least {FEWEST}, in the case or in a file")
         for (early, _), (late, _) in itertools.pairwise(points):
             if late <= early:
-                raise ValueError(f"times must increase, but {late:g} follows {early:g}")
+                raise ValueError(f"times must increase, but {late:.9g} follows {early:.9g}")
         if self.smoothed and not self.periodic:
             raise ValueError("smooth and smooth_error need a periodic table; smooth these points beforehand")
         if self.smooth and self.tolerance:
@@ -112,8 +114,8 @@ class Table(Travel):
         Args:
             frequency: Hz.
         """
-        if self.clock != "s" and frequency is None:
-            return f'time = "{self.clock}" needs motion.frequency' if self.clock == "periods" else ""
+        if self.clock == "periods" and frequency is None:
+            return 'time = "periods" needs motion.frequency'
         return self._problem_of_period(frequency) if self.periodic else self._problem_of_run(frequency, duration)
 
     def _problem_of_period(self, frequency: float | None) -> str:
@@ -133,7 +135,7 @@ class Table(Travel):
             if abs(end - begin) > ENDS * (max(values) - min(values)) + 2.0 * slope * abs(span - length):
                 return (
                     f"is periodic but begins with {begin:g} and ends with {end:g}; make them equal, or smooth the "
-                    "points: smooth = 8"
+                    f"points: smooth = {min(SMOOTH, (len(points) - 1) // 2)}"
                 )
         return ""
 
@@ -142,7 +144,7 @@ class Table(Travel):
         first, last = points[0][0], points[-1][0]
         if first > 0.0 or last < duration * (1.0 - 1e-9):
             return (
-                f"its points cover {first:g} to {last:g} s but the case runs from 0 to {duration:g} s; give more "
+                f"its points cover {first:.9g} to {last:.9g} s but the case runs from 0 to {duration:.9g} s; give more "
                 "points, or make it periodic"
             )
         return ""

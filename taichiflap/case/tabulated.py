@@ -17,15 +17,26 @@ OF_ANGLES = ("file", "time_column", "stroke", "deviation", "rotation", "unit")
 CALLED = {
     "stroke": ("stroke", "positional", "position", "phi", "φ", "ϕ", "sweep", "flap", "flapping"),
     "deviation": ("deviation", "elevation", "theta", "θ", "ϑ", "dev"),
-    "rotation": ("rotation", "pitch", "alpha", "α", "feathering", "psi", "ψ", "attack", "aoa", "rot"),
+    "rotation": ("rotation", "pitch", "alpha", "α", "feathering", "psi", "ψ", "attack", "angleofattack", "aoa", "rot"),
 }
-"""Recognised names of the columns of angles."""
-TIMES = {"s": "s", "sec": "s", "second": "s", "seconds": "s", "ms": "ms", "msec": "ms", "milliseconds": "ms"}
+"""Recognised names of the columns of angles, to which `angle` may be added."""
+TIMES = dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s")
+TIMES |= dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), "ms")
 TIMES |= dict.fromkeys(("-", "t/t", "period", "periods", "beat", "beats", "cycle", "cycles"), "periods")
-LENGTHS = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "cm": 1e-2, "mm": 1e-3}
+LENGTHS = {
+    prefix + name: factor
+    for prefix, factor in (("", 1.0), ("centi", 1e-2), ("milli", 1e-3))
+    for name in ("metre", "metres", "meter", "meters")
+} | {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0}
-ANGLES |= dict.fromkeys(("rad", "radian", "radians"), math.degrees(1.0))
-FOREIGN = ("us", "µs", "min", "µm", "um", "nm", "in", "inch", "ft", "%", "frame", "frames", "rev", "turns")
+ANGLES |= dict.fromkeys(("rad", "rads", "radian", "radians"), math.degrees(1.0))
+FOREIGN = frozenset(
+    plain(unit)
+    for unit in (
+        "ns", "us", "µs", "min", "h", "nm", "um", "µm", "dm", "km", "in", "inch", "ft", "mrad", "rev", "turns", "%",
+        "frame", "frames", "hz", "m/s", "cm/s", "mm/s", "deg/s", "°/s", "rad/s",
+    )
+)  # fmt: skip
 """Units that are recognised but not supported."""
 CALLED_TIME = ("t", "time", "times", "t/t", "zeit", "temps", "tiempo", "tempo")
 
@@ -115,10 +126,11 @@ def _points(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[
     found: dict[str, Any] = {
         POINTS[name]: [[time, scale * value] for time, value in zip(times.numbers(), values.numbers(), strict=True)]
     }
-    usual = "periods" if table.get("periodic") is True else "s"
+    periodic = table.get("periodic") is True
     unit = _clock(times) if "time" not in table else ""
-    # "-" (fraction of a beat) is not a unit for a non-periodic motion.
-    return found | ({"time": unit} if unit not in ("", usual, "periods") else {})
+    # "-" means a fraction of a beat in a periodic motion only.
+    unstated = "" if periodic or plain(times.unit) != "-" else unit
+    return found | ({"time": unit} if unit not in ("", "periods" if periodic else "s", unstated) else {})
 
 
 def _angles(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[str, Any]:
@@ -136,13 +148,20 @@ def _angles(name: str, table: Mapping[str, Any], columns: list[Column]) -> dict[
 def _angle_columns(table: Mapping[str, Any], columns: list[Column], times: Column) -> list[Column | None]:
     """The columns of stroke, deviation (None if absent) and rotation."""
     others = [one for one in columns if one is not times]
-    named = {angle: [one for one in others if bare(one.name) in CALLED[angle]] for angle in CALLED}
+    named = {
+        angle: [one for one in others if bare(one.name).removesuffix("angle") in names]
+        for angle, names in CALLED.items()
+    }
     order = dict(zip(CALLED if len(others) == len(CALLED) else ("stroke", "rotation"), others, strict=False))
     called = any(named.values())
     found: dict[str, Column | None] = {}
     for angle in CALLED:
         if angle in table:
             found[angle] = column(columns, _whole(angle, table[angle]))
+        elif len(named[angle]) > 1:
+            raise ColumnsError(
+                f"several columns may be {angle}: {', '.join(map(str, named[angle]))}; give {angle} = a number or name"
+            )
         elif called or len(others) > len(CALLED):
             found[angle] = named[angle][0] if named[angle] else None
         else:
@@ -163,10 +182,11 @@ def _angle_columns(table: Mapping[str, Any], columns: list[Column], times: Colum
 
 
 def _clock(times: Column) -> str:
-    """Unit of the times if the file states one, else None."""
-    if plain(times.unit) in FOREIGN:
-        raise ColumnsError(f"{times} has times in {times.unit}; give them in s, ms or periods")
-    return TIMES.get(plain(times.unit) or plain(times.name), "")
+    """Unit of the times if the file states one, else empty."""
+    stated = times.unit or times.name
+    if plain(stated) in FOREIGN:
+        raise ColumnsError(f"{times} has times in {stated}; give them in s, ms or periods")
+    return TIMES.get(plain(stated), "")
 
 
 def _time_column(table: Mapping[str, Any], columns: list[Column]) -> Column:
@@ -200,7 +220,7 @@ def _unit(values: Column, given: Any, scales: Mapping[str, float], kind: str) ->
     unit = plain(values.unit)
     if unit in scales:
         return unit
-    if unit in ANGLES or unit in LENGTHS or unit in FOREIGN:
+    if unit in ANGLES or unit in LENGTHS or unit in FOREIGN or TIMES.get(unit) in ("s", "ms"):
         raise ColumnsError(
             f"{values} is in {values.unit}, which is not {kind} in a supported unit; give another column, or convert "
             "it to "

@@ -50,4 +50,8 @@ class Time(CaseTable):
         for name in IN_SECONDS if self.periods is None else IN_PERIODS:
             if getattr(self, name) is None:
                 raise needed(name, "duration and step must be given together")
+        if self.duration is not None and isinstance(self.step, float) and self.step > self.duration:
+            raise ValueError(
+                f"step = {self.step:g} s is longer than duration = {self.duration:g} s; give a shorter step"
+            )
         return self

@@ -53,7 +53,7 @@ class _UpTo:
         for (before, _), (after, _) in pairwise(table):
             if after <= before:
                 raise ValueError(
-                    f"s must increase, but {after:g} follows {before:g}; for a jump give two close values of s"
+                    f"s must increase, but {after:.9g} follows {before:.9g}; for a jump give two close values of s"
                 )
         must = table[:-1] if self.may_vanish else table
         if min(value for _, value in must) == 0.0:
