@@ -100,7 +100,7 @@ def simulate(
 
     case = load_case(case_file, settings or ())
     path = output or Path(f"{case_file.stem}.h5")
-    if resume and not path.exists() and not part(path).exists():
+    if resume and not os.path.exists(path) and not os.path.exists(part(path)):
         print(f"{path}: no interrupted run to resume; starting from the beginning", file=sys.stderr)
     found = warnings(case)
     for warning in found:

@@ -75,6 +75,7 @@ BAD = [
     ("wing=3", ["wing = 3", "a table"]),
     ("wing.modes", ["--set wing.modes", "KEY=VALUE"]),
     ("=3", ["--set =3", "KEY=VALUE"]),
+    ("wing..chord=1", ["--set wing..chord=1", "KEY=VALUE"]),
     ("wing.chord=1.2.3", ["--set wing.chord=1.2.3", "not a number"]),
     ("wing.chord.x=3", ["--set wing.chord.x=3", "chord is a value"]),
 ]
@@ -90,7 +91,7 @@ def test_a_bad_setting_gets_its_message(setting, phrases):
     assert str(caught.value).startswith(str(CASES / "hawkmoth.toml"))
 
 
-@pytest.mark.parametrize(("setting", "phrases"), BAD[:-4], ids=[setting for setting, _ in BAD[:-4]])
+@pytest.mark.parametrize(("setting", "phrases"), BAD[:-5], ids=[setting for setting, _ in BAD[:-5]])
 def test_a_bad_file_gets_the_same_message_as_the_setting(setting, phrases, tmp_path):
     with pytest.raises(CaseError) as from_setting:
         hawkmoth(setting)

@@ -86,6 +86,7 @@ def test_settings_change_the_case(tmp_path):
         (("simulate", CASES / "hawkmoth.toml", "-o", "."), ["is a directory"]),
         (("simulate", CASES / "hawkmoth.toml", "-o", "no/such/folder.h5"), ["no/such is not a folder"]),
         (("info", "absent.h5"), ["absent.h5: no such file"]),
+        (("info", 300 * "a"), ["aaa: not a readable result file"]),
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.chrod=1:2:3"), ["did you mean wing.chord?"]),
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.modes=0,1", "--metric", "lift"), ["metric lift: unknown"]),
         (("sweep", CASES / "hawkmoth.toml", "--vary", "wing.modes=0,1", "-o", "."), ["is a directory"]),

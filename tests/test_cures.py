@@ -117,6 +117,17 @@ def test_the_least_smoothing_that_a_message_names_is_accepted(ramp):
     changed(wrong, {"motion.pitch.smoothing": least})
 
 
+def test_a_broken_link_is_no_misspelt_name(tmp_path):
+    (tmp_path / "case.toml").symlink_to("nowhere")
+    with pytest.raises(CaseError, match=r"case\.toml: is a broken link$"):
+        load_case(tmp_path / "case.toml")
+
+
+def test_a_path_is_a_word_without_quotes():
+    with pytest.raises(CaseError, match=r'motion\.pitch\.file = "data/stroke\.csv": no such file beside the case'):
+        hawkmoth("motion.pitch={kind = 'table'}", "motion.pitch.file=data/stroke.csv")
+
+
 def test_a_case_without_times_can_be_overridden_to_seconds():
     document = tomllib.loads((CASES / "hawkmoth.toml").read_text())
     del document["time"]

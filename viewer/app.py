@@ -1,5 +1,6 @@
 """The viewer of results: opens files and gives every browser a session."""
 
+import os
 import threading
 import time
 import uuid
@@ -163,9 +164,9 @@ def _open(path: Path) -> Result:
             problem = error
         begun = path if path.name.endswith(PART) else part(path)
         final = path.with_name(path.name.removesuffix(PART))
-        if not begun.exists() and final != path and final.exists():
+        if not os.path.exists(begun) and final != path and os.path.exists(final):
             path = final
-        elif not begun.exists() or time.time() - begun.stat().st_mtime > BEGIN_SECONDS:
+        elif not os.path.exists(begun) or time.time() - begun.stat().st_mtime > BEGIN_SECONDS:
             raise problem
         time.sleep(0.1)
 

@@ -35,7 +35,7 @@ from .wing import Wing
 MAX_STEPS = 5_000_000
 LEAST_STEPS = 4
 """Minimum number of steps per period, or per run, with an automatic step."""
-WITHIN_WORDS = str.maketrans("-.:", "___")
+WITHIN_WORDS = str.maketrans("-.:/", "____")
 """Characters allowed in a setting's value without quotes."""
 HALF_A_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?")
 """A number as other languages write it, but not TOML."""
@@ -365,7 +365,8 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Case:
     try:
         document = read_toml(read_text(path))
     except FileNotFoundError:
-        raise CaseError(str(path), [f"no such file{_nearest_file(path)}"]) from None
+        why = "is a broken link" if path.is_symlink() else f"no such file{_nearest_file(path)}"
+        raise CaseError(str(path), [why]) from None
     except OSError as error:
         raise CaseError(str(path), [f"cannot be read: {error.strerror}"]) from None
     except UnicodeDecodeError:
@@ -434,7 +435,7 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
     problems = []
     for setting in settings:
         key, equals, text = (part.strip() for part in setting.partition("="))
-        if not equals or not key:
+        if not equals or not all(key.split(".")):
             problems.append(f"--set {_shown(setting)}: write KEY=VALUE, for example wing.modes=0")
             continue
         try:
@@ -464,7 +465,9 @@ def read_value(text: str) -> Any:
             return text
         found = {}
     if len(found) != 1:  # or several lines
-        raise ValueError(f'{_shown(text)!r} is not a number, true, false, a "text" or a [list]')
+        raise ValueError(
+            f'{_shown(text)!r} is not a number, true, false, a [list] or a "text" (in a shell write \'KEY="TEXT"\')'
+        )
     return found["value"]
 
 

@@ -298,7 +298,8 @@ def open_result(path: str | Path) -> Result:
         ResultError: if it is missing, damaged, not a result, or of a newer version.
     """
     path = Path(path)
-    if not path.exists() and part(path).exists():
+    # Unlike Path.exists, without an error where the system refuses to look.
+    if not os.path.exists(path) and os.path.exists(part(path)):
         path = part(path)
     refuse_devices(path, ResultError)
     try:
@@ -326,7 +327,7 @@ def refuse_devices(path: Path, error: type[UserError]) -> None:
     Raises:
         UserError: an `error`, if it is one.
     """
-    if path.exists() and not (path.is_file() or path.is_dir()):
+    if os.path.exists(path) and not (path.is_file() or path.is_dir()):
         raise error(f"{path}: not a regular file")
 
 
