@@ -613,7 +613,7 @@ def test_the_numbers_of_a_file_that_is_written_are_nan_until_they_are_known(tmp_
 @pytest.mark.slow
 def test_kills_at_random_moments_lose_nothing():
     """A few kills of `make crash-test`, in a separate process, since it forks."""
-    command = [sys.executable, str(CASES.parent / "tests" / "crash.py"), "5", "20201122"]
+    command = [sys.executable, str(CASES.parent / "tests" / "crash.py"), "3", "20201122"]
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.count("kills of") == 3
