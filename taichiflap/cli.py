@@ -249,6 +249,7 @@ def plot(
     """Draw for print: the last beats of one result or several, and the wing of each; or a map."""
     from contextlib import ExitStack
 
+    from .drawing.orientation import FRAMES
     from .maps.file import is_map, open_map
     from .results.reader import open_result
 
@@ -261,6 +262,10 @@ def plot(
             for path in map_plots.plot(sheet, output, overwrite, whole, metrics=metric or (), look=style):
                 print(f"{path} written")
         return
+    if whole:
+        raise UserError("--whole is for a map, not for results")
+    if frame not in FRAMES:
+        raise UserError(f"--frame {frame}: use {' or '.join(FRAMES)}")
     with ExitStack() as stack:
         results = [stack.enter_context(open_result(path)) for path in files]
         from .plots.result import plot as draw

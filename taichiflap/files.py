@@ -52,6 +52,8 @@ def make_folder(folder: Path) -> None:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise OutputError(f"{folder}: cannot be created: there is a file of this name; name a folder") from None
     except OSError as error:
         raise OutputError(f"{folder}: cannot be created: {error.strerror or error}") from None
 

@@ -94,6 +94,8 @@ def test_settings_change_the_case(tmp_path):
             ("info", CASES / "hawkmoth.toml"),
             ["hawkmoth.toml: this is a case file, not a result; run it with taichiflap simulate"],
         ),
+        (("plot", "run.h5", "--frame", "wnig"), ["--frame wnig: use inertial or wing"]),
+        (("plot", "run.h5", "--whole"), ["--whole is for a map"]),
         (("init", "."), ["is a directory; name a file"]),
         (("init", "measured_moth.csv", "--from", "measured_moth"), ["name the case file measured_moth.toml"]),
         (("simulate", CASES / "hawkmoth.toml", "--threads", "0"), ["--threads"]),

@@ -70,6 +70,16 @@ def test_a_run_that_fails_at_its_first_step_is_told_of_in_every_way(monkeypatch,
         assert "Traceback" not in capsys.readouterr().err
 
 
+def test_higher_harmonics_are_told_of_and_a_run_of_less_than_a_beat_is_not_waited_for():
+    document = hawkmoth(*SHORT).to_dict()
+    document["motion"]["plunge"] = {"harmonics": [[1, 0.02, 0.0], [3, 0.001, 0.0]]}
+    document["time"] = {"duration": 0.03, "step": 0.002}
+    with taichiflap.simulate(parse_case(document)) as result:
+        lines = "\n".join(summary_lines(result))
+    assert "25 Hz, plunge 0 mm and 2 harmonics, pitch 15 deg, 15 steps of 0.002 s" in lines
+    assert "less than a beat: no statistics" in lines
+
+
 def test_sweep_asks_for_xarray_before_it_computes(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(UserError, match=r"xarray: pip install"):

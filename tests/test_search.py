@@ -161,7 +161,7 @@ def test_an_optimum_of_real_cases_beats_a_grid():
     ("more", "sentence"),
     [
         ({}, "no objective; give"),
-        ({"minimise": "power_mean", "maximise": "power_mean"}, "no objective; give"),
+        ({"minimise": "power_mean", "maximise": "power_mean"}, "two objectives; give either"),
         ({"minimise": "pwer_mean"}, "did you mean power_mean?"),
         ({"minimise": "power_mean", "vary": {}}, "no key varies"),
         ({"minimise": "power_mean", "vary": {"wing.chrod": "1:2"}}, "did you mean wing.chord?"),

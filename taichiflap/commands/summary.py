@@ -48,8 +48,11 @@ def _lines(result: Result, said: Collection[str]) -> Iterator[str]:
         yield _line("nearest scored case", attributes.get("nearest_scored") or nearest.sentence(case))
     elif failed:
         yield "the run failed: no statistics"
+    elif case.periodic:
+        none = "less than a beat" if result.status == "complete" else "no whole beat yet"
+        yield f"{none}: no statistics"
     else:
-        yield "no whole beat yet: no statistics" if case.periodic else "not complete: no statistics"
+        yield "not complete: no statistics"
     if "solve_time" in attributes:
         done = case.steps if result.status == "complete" else max(0, len(result.time) - 1)
         yield _line("solve time", f"{attributes['solve_time']:.3g} s for {done} steps")

@@ -73,7 +73,7 @@ def read_constraint(text: str) -> Expression:
     """
     tree = _parse(text)
     if not isinstance(tree, ast.Compare) or len(tree.ops) != 1 or type(tree.ops[0]) not in _SIGNS:
-        raise ExpressionError(f"{text!r}: write one comparison, for example vertical_force_mean >= 2.5e-3")
+        raise ExpressionError(f"{text!r}: write one comparison, for example force_vertical_mean >= 2.5e-3")
     sides = (tree.left, tree.comparators[0])
     high, low = sides if _SIGNS[type(tree.ops[0])] > 0 else sides[::-1]
     size = ast.BinOp(_call("abs", high), ast.Add(), _call("abs", low))
@@ -91,7 +91,7 @@ def _parse(text: str) -> ast.expr:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ExpressionError(f"{_shown(text)}: not a formula; for example vertical_force_mean / power_mean") from None
+        raise ExpressionError(f"{_shown(text)}: not a formula; for example force_vertical_mean / power_mean") from None
 
 
 def _shown(text: str) -> str:

@@ -210,7 +210,9 @@ def _unwrapped(search: Callable[..., Any], *arguments: Any, **options: Any) -> A
 
 
 def _aim(maximise: str | None, minimise: str | None) -> Expression:
-    if (maximise is None) == (minimise is None):
+    if maximise is not None and minimise is not None:
+        raise DesignError("two objectives; give either --maximise or --minimise")
+    if maximise is None and minimise is None:
         raise DesignError("no objective; give --maximise EXPRESSION or --minimise EXPRESSION")
     return read_expression(maximise if maximise is not None else str(minimise))
 
