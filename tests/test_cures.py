@@ -128,6 +128,10 @@ def test_a_path_is_a_word_without_quotes():
         hawkmoth("motion.pitch={kind = 'table'}", "motion.pitch.file=data/stroke.csv")
 
 
+def test_a_single_setting_needs_no_list():
+    assert load_case(CASES / "hawkmoth.toml", "wing.modes=0") == hawkmoth("wing.modes=0")
+
+
 def test_a_case_without_times_can_be_overridden_to_seconds():
     document = tomllib.loads((CASES / "hawkmoth.toml").read_text())
     del document["time"]

@@ -387,3 +387,8 @@ def test_typical_speed_of_motions_whose_speed_is_known():
     for part in (slice(0, 1300), slice(1300, 2900)):
         measured = np.sqrt(np.mean(np.sum(moving[:, part] ** 2, axis=0)))
         assert sampling.typical_speed(whole, behind, (0.7, -0.3), times[part]) == pytest.approx(measured, rel=1e-5)
+
+
+def test_times_may_be_whole_numbers_in_a_list():
+    motion = hawkmoth("motion.frequency=0.3").motion
+    np.testing.assert_array_equal(sampling.sample(motion, [0, 1, 2]), sampling.sample(motion, np.arange(3.0)))

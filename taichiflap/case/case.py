@@ -356,7 +356,7 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Case:
 
     Args:
         path: a TOML file.
-        settings: overrides such as `"wing.modes=0"`, applied before any check.
+        settings: overrides such as `"wing.modes=0"`, or a single one, applied before any check.
 
     Raises:
         CaseError: with every problem found, each with its key, its value and the cure.
@@ -433,7 +433,7 @@ def apply_settings(document: Mapping[str, Any], settings: Iterable[str], source:
     """
     changed = _copy(document)
     problems = []
-    for setting in settings:
+    for setting in [settings] if isinstance(settings, str) else settings:
         key, equals, text = (part.strip() for part in setting.partition("="))
         if not equals or not all(key.split(".")):
             problems.append(f"--set {_shown(setting)}: write KEY=VALUE, for example wing.modes=0")

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..case.motion import Motion
 from ..case.travel import Travel
@@ -28,14 +28,15 @@ ROUNDS = 60
 Array = NDArray[np.float64]
 
 
-def sample(motion: Motion, times: NDArray[np.floating]) -> Array:
-    """Motion at `times` (s).
+def sample(motion: Motion, times: ArrayLike) -> Array:
+    """Motion at `times` (s), shape (times,).
 
     Returns:
         Shape (times, 9): Z (m), dZ/dt, d2Z/dt2, theta (rad), dtheta/dt, d2theta/dt2, Y (m), dY/dt, d2Y/dt2.
     """
+    at = 1.0 * np.asarray(times)
     axes = (motion.plunge, motion.pitch, motion.surge)
-    return np.hstack([sample_axis(axis, motion.frequency, motion.growth, times) for axis in axes])
+    return np.hstack([sample_axis(axis, motion.frequency, motion.growth, at) for axis in axes])
 
 
 def reversals(motion: Motion, first: float, last: float, step: float) -> Array:
