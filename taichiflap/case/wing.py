@@ -74,10 +74,7 @@ _MEASURED = ("mass_per_length", "flexural_rigidity")
 
 
 class Wing(CaseTable):
-    """The wing section, clamped at its leading edge.
-
-    Most keys are a number, or a table [[s, value], ...] over s = y/chord.
-    """
+    """The wing section, clamped at its leading edge; many keys also take a table [[s, value], ...], s = y/chord."""
 
     chord: float = key(unit="m", text="chord length", example=0.02, gt=0, le=100)
     span: Annotated[AlongChord, _UpTo(100, may_vanish=True)] = key(

@@ -1,7 +1,7 @@
 """Text summary of a run, printed by `simulate` and `info`."""
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -231,10 +231,14 @@ def _travel(motion: Motion, axis: Travel, unit: str) -> str:
     if "points" in keys:
         values = [scale * value for _, value in keys["points"]]
         found = fourier.series(**keys) if "smooth" in keys else None
-        near = f", {len(found.terms)} harmonics, rms residual {scale * found.residual:.2g} {unit}" if found else ""
+        near = f", {_harmonics(found.terms)}, rms residual {scale * found.residual:.2g} {unit}" if found else ""
         return f"{min(values):.3g} to {max(values):.3g} {unit} (table{near})"
     kind = "" if axis.kind == "harmonic" else f" ({axis.kind})"
     middle = keys.get("mean", keys.get("initial"))
     about = f" about {scale * middle:.3g} {unit}" if middle else ""
-    terms = f" and {len(more)} harmonic{'s' if len(more) > 1 else ''}" if more else ""
+    terms = f" and {_harmonics(more)}" if more else ""
     return f"{scale * keys['amplitude']:.3g} {unit}{terms}{about}{kind}"
+
+
+def _harmonics(terms: Sequence[Any]) -> str:
+    return f"{len(terms)} harmonic{'s' if len(terms) > 1 else ''}"

@@ -1,5 +1,6 @@
 """Least-squares harmonics of periodic points: measured motion without its noise."""
 
+import bisect
 import functools
 import math
 from dataclasses import dataclass
@@ -46,10 +47,18 @@ def series(points: Points, smooth: int | None, tolerance: float | None = None) -
     """
     if smooth is not None:
         return _fit(points, smooth)
-    for n in range(1, most(points)):
-        if (found := _fit(points, n)).residual <= (tolerance or 0.0):
-            return found
-    return _fit(points, most(points))
+
+    def meets(harmonics: int) -> bool:
+        return _fit(points, harmonics).residual <= (tolerance or 0.0)
+
+    # More harmonics never fit worse: double their number until they meet the tolerance, then halve the interval.
+    enough, limit = 1, most(points)
+    while enough < limit and not meets(enough):
+        enough = min(2 * enough, limit)
+    if enough >= limit and not meets(limit):
+        return _fit(points, limit)
+    least = enough // 2 + 1
+    return _fit(points, least + bisect.bisect_left(range(least, enough), True, key=meets))
 
 
 @functools.lru_cache(maxsize=256)
