@@ -250,16 +250,24 @@ def test_convergence_follows_its_rule(monkeypatch, tmp_path):
     assert any("together" in line for line in convergence.verdict(found))
 
 
-def test_a_metric_that_is_zero_everywhere_is_drawn_at_zero(monkeypatch, tmp_path):
-    found = convergence.Convergence(0.01, accepted={"dbet.elements": 8})
-    for value, power in ((8, 1.1), (16, 1.0)):
-        found.trials.append(convergence.Trial("dbet.elements", value, {"power_mean": power, "tip_peak_mean": 0.0}))
+def test_the_figure_of_a_study_shows_what_its_rule_compares(monkeypatch, tmp_path):
+    """Also for a mean that nearly cancels, and a deflection that is zero everywhere."""
+    lift = {8: 1e-5, 16: -1e-5}  # N, at a peak force of 1 N
+    pretend(
+        monkeypatch,
+        lambda case: {
+            "force_normal_peak_mean": 1.0, "tip_peak_mean": 0.0, "power_mean": 1.0 + 0.5 * (case.dbet.elements == 8),
+            "force_vertical_mean": lift.get(case.dbet.elements, 0.0),
+        },
+    )  # fmt: skip
+    found = converge(hawkmoth(*SHORT), 0.01)
     drawn = []
     monkeypatch.setattr(map_plots.formats, "write", lambda figures, *_, **__: drawn.extend(figures.values()))
     map_plots.convergence(found, tmp_path / "c")
-    power, tip, *_ = drawn[0].axes[0].lines
-    np.testing.assert_allclose(power.get_ydata(), [10.0, 0.0], atol=1e-12)
-    assert list(tip.get_ydata()) == [0.0, 0.0]
+    curves = {line.get_label(): line.get_ydata() for line in drawn[0].axes[0].lines}
+    np.testing.assert_allclose(curves["Mean vertical force"][:3], [0.1, -0.1, 0.0], atol=1e-12)
+    np.testing.assert_allclose(curves["Mean power"][:3], [50.0, 0.0, 0.0], atol=1e-12)
+    assert not curves["Peak tip deflection"].any()
 
 
 def test_what_never_converges_is_said(monkeypatch):

@@ -94,7 +94,10 @@ def _figures(sheet: Map, metrics: Sequence[str], numeric: int, whole: bool) -> d
 
 
 def convergence(found: "Convergence", stem: Path) -> list[Path]:
-    """Write `STEM.png` and `STEM.svg`: deviation of every metric from its finest value, against every key."""
+    """Write `STEM.png` and `STEM.svg`: deviation of every metric from its finest value, against every key.
+
+    It is relative to the finest value, or to the scale of the study for a metric that is smaller.
+    """
     keys = list(dict.fromkeys(trial.key for trial in found.trials))
     with mpl.rc_context(style.current()):
         figure = Figure((WIDTH, 2.6), layout="constrained")
@@ -105,7 +108,8 @@ def convergence(found: "Convergence", stem: Path) -> list[Path]:
             names = list(trials[0].metrics)
             for colour, mark, name in zip(_colours(len(names)), MARKS * len(names), names, strict=False):
                 series = np.array([trial.metrics[name] for trial in trials])
-                deviation = 100.0 * (series - series[-1]) / (series[-1] or 1.0)
+                size = max(abs(series[-1]), found.scales.get(name, 0.0)) or 1.0
+                deviation = 100.0 * (series - series[-1]) / size
                 ax.plot(values, deviation, mark + "-", color=colour, markersize=3.5, linewidth=1, label=label(name))
             if key != "wing.modes":
                 ax.set_xscale("log", base=2)

@@ -55,6 +55,7 @@ class Convergence:
         trials: all trials in order, with the largest change of a metric from the previous value.
         accepted: accepted value of each key.
         open: keys that did not converge.
+        scales: size of each metric below which its changes are taken relative to this instead of to its value.
         together: largest change if model settings and time step are refined once more together.
     """
 
@@ -62,6 +63,7 @@ class Convergence:
     trials: list[Trial] = field(default_factory=list)
     accepted: dict[str, int] = field(default_factory=dict)
     open: list[str] = field(default_factory=list)
+    scales: dict[str, float] = field(default_factory=dict)
     together: float = float("nan")
 
     @property
@@ -121,6 +123,7 @@ def converge(
         for key in start:
             if key not in (PERIODS, MODES, *_per_step(case)):
                 finer = _refined(finer, key, case)
+        search.found.scales = {name: search.scale(name) for name in chosen}
         search.found.together = search.change(search.metrics([start, finer]))
         return search.found
 
@@ -202,9 +205,9 @@ class _Search:
     def change(self, pair: Sequence[dict[str, float]]) -> float:
         """Largest change of a chosen metric, relative to the larger value or to its scale."""
         first, second = pair
-        return max(_share(first[name], second[name], self._scale(name)) for name in self.chosen)
+        return max(_share(first[name], second[name], self.scale(name)) for name in self.chosen)
 
-    def _scale(self, name: str) -> float:
+    def scale(self, name: str) -> float:
         """Minimum scale of a metric."""
         return LEAST * self.peak if name.endswith("_mean") and METRICS[name].units == "N" else 0.0
 
