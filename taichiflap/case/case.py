@@ -281,7 +281,8 @@ class Case(CaseTable):
             with suppress(ValidationError):  # which is told below
                 return Case.model_validate(dict(self) | tables)._from(Origin(self.origin.folder))
         case = self._checked(values, source)
-        checked |= {key: getattr(case, name) for name, key in keys.items()}
+        for name, made_of in keys.items():
+            checked.setdefault(made_of, getattr(case, name))
         return case
 
     def _checked(self, values: Mapping[str, Any], source: str) -> "Case":

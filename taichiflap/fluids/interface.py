@@ -8,6 +8,7 @@ All code outside `taichiflap.fluids` sees a model through these classes:
 - `Flow`: the state of a batch of cases: arrays, and Taichi functions that the march fuses into one kernel.
 """
 
+import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -336,4 +337,4 @@ class Model:
         """Size of a frame of its fields."""
         lengths = self.sizes(case)
         shapes = [(one.dtype, [lengths[axis] for axis in one.over]) for one in self.outputs if one.field]
-        return float(sum(np.dtype(kind).itemsize * np.prod(shape, dtype=float) for kind, shape in shapes))
+        return float(sum(np.dtype(kind).itemsize * math.prod(shape) for kind, shape in shapes))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..motion.attack import angle_of_attack
-from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
 from ..motion.stream import in_stream
 from ..structure.beam import Modes
 from .reference import Reference, reference
@@ -42,7 +42,7 @@ class Series:
     Args:
         cases: either all in a free stream or none, and likewise with something that moves; all of as many modes.
         sections: their modes.
-        motion: as a march samples it, shape (cases, steps, COLUMNS).
+        motion: as a march samples it, shape (cases, steps, COLUMNS), or of one case if they share it.
         steps: numbers of the steps, which follow each other.
         q: amplitude, rate and acceleration of the modes, shape (cases, steps, 3, modes).
         modal_force: shape (cases, steps, modes).
@@ -85,9 +85,15 @@ class Series:
         values: Array = getattr(self, name)
         return values[0]
 
+    def at(self, places: Sequence[int]) -> "Series":
+        """The variables at some of the steps."""
+        steps = self._steps[places]
+        state = (values[:, places] for values in (self._q, self._modal_force, self._force))
+        return Series(self.cases, self.sections, self._motion[:, places], steps, *state, self.scales)
+
     @functools.cached_property
     def moved(self) -> Array:
-        """Columns of the motion, shape (COLUMNS, cases, steps)."""
+        """Columns of the motion, shape (COLUMNS, cases, steps), or (COLUMNS, 1, steps) if the cases share it."""
         return np.array(np.moveaxis(self._motion, -1, 0), order="C")
 
     @functools.cached_property
@@ -111,15 +117,19 @@ class Series:
 
     @property
     def plunge(self) -> Array:
-        return self.moved[PLUNGE]
+        return self._of_each(self.moved[PLUNGE])
 
     @property
     def surge(self) -> Array:
-        return self.moved[SURGE]
+        return self._of_each(self.moved[SURGE])
 
     @property
     def pitch(self) -> Array:
-        return self.moved[PITCH]
+        return self._of_each(self.moved[PITCH])
+
+    def _of_each(self, column: Array) -> Array:
+        """A column of the motion, shape (cases, steps)."""
+        return np.broadcast_to(column, (len(self.cases), column.shape[-1]))
 
     @functools.cached_property
     def tip_deflection(self) -> Array:
@@ -175,7 +185,9 @@ class Series:
     def power_aerodynamic(self) -> Array:
         moved = self.moved
         along = self.force_z * moved[PLUNGE_RATE] + self.moment * moved[PITCH_RATE]
-        return -(along + self.force_y * moved[SURGE_RATE])
+        if surges(moved):
+            along += self.force_y * moved[SURGE_RATE]
+        return -along
 
     @functools.cached_property
     def power_inertial(self) -> Array:
@@ -199,7 +211,8 @@ class Series:
 
     @functools.cached_property
     def angle_of_attack(self) -> Array:
-        each = zip(self.cases, np.moveaxis(self.moved, 0, -1), strict=True)
+        moved = np.moveaxis(self.moved, 0, -1)
+        each = zip(self.cases, np.broadcast_to(moved, (len(self.cases), *moved.shape[1:])), strict=True)
         return np.array([angle_of_attack(case.fluid.velocity, moved) for case, moved in each])
 
     @functools.cached_property
@@ -243,16 +256,24 @@ def inertial_power(section: Any, motion: Array, state: Array) -> Array:
     _, rate, accel, _, theta_rate, theta_accel, _, surge_rate, surge_accel, cosine, sine = motion
     q, q_rate, q_accel = state
     lifted, lifted_rate, lifted_accel = (weighted(section.lam, row) for row in (q, q_rate, q_accel))
-    along = section.mass * accel + section.first_moment * (theta_accel * cosine - theta_rate**2 * sine)
+    across, ahead = theta_accel * cosine - theta_rate**2 * sine, theta_accel * sine + theta_rate**2 * cosine
+    along = section.mass * accel + section.first_moment * across
     along += cosine * lifted_accel - 2.0 * theta_rate * sine * lifted_rate
-    along -= (theta_accel * sine + theta_rate**2 * cosine) * lifted
+    along -= ahead * lifted
     around = (section.second_moment + summed(q * q)) * theta_accel + 2.0 * theta_rate * summed(q * q_rate)
     around += accel * (section.first_moment * cosine - sine * lifted) + weighted(section.psi, q_accel)
+    if not surges(motion):
+        return along * rate + around * theta_rate
     around -= surge_accel * (section.first_moment * sine + cosine * lifted)
-    down = section.mass * surge_accel - section.first_moment * (theta_accel * sine + theta_rate**2 * cosine)
+    down = section.mass * surge_accel - section.first_moment * ahead
     down -= sine * lifted_accel + 2.0 * theta_rate * cosine * lifted_rate
-    down -= (theta_accel * cosine - theta_rate**2 * sine) * lifted
+    down -= across * lifted
     return along * rate + around * theta_rate + down * surge_rate
+
+
+def surges(motion: Array) -> bool:
+    """Whether anything surges, in columns of the sampled motion, shape (COLUMNS, ...)."""
+    return bool(motion[SURGE_RATE].any() or motion[SURGE_ACCEL].any())
 
 
 def mechanical_energy(section: Any, motion: Array, state: Array) -> Array:
@@ -290,5 +311,10 @@ def weighted(weights: Array, modes: Array) -> Array:
 
 
 def summed(modes: Array) -> Array:
-    """The sum over the modes, added in order."""
-    return weighted(np.ones(len(modes)), modes)
+    """The sum over the modes, added in order; `modes[0]` itself if it is the only one."""
+    if not len(modes):
+        return np.zeros(modes.shape[1:])
+    total: Array = modes[0]
+    for values in modes[1:]:
+        total = total + values
+    return total

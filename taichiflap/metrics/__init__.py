@@ -5,7 +5,7 @@ from ..doors import lazy
 __getattr__ = lazy(
     __name__,
     {
-        "Statistic": "summary",
+        "Statistic": "statistic",
         "Summary": "summary",
         "after_reversal": "waves",
         "harmonic": "waves",

@@ -55,11 +55,15 @@ class Beats:
         """Mean force vector of each beat, N, shape (..., 2, beats)."""
         return np.stack((self.means(force_y), self.means(force_z)), axis=-2)
 
-    def force_size(self, force_y: Array, force_z: Array) -> Array:
-        """Root-mean-square force over the second half of the beats, N, shape (...)."""
-        frames = self.after(len(self) // 2).frames
-        square: Array = force_y[..., frames] ** 2 + force_z[..., frames] ** 2
-        return np.sqrt(square.sum(axis=-1) / square.shape[-1])
+    def squares(self, force_y: Array, force_z: Array) -> Array:
+        """Sum over each beat of the squared force, N^2, shape (..., beats)."""
+        found: Array = np.add.reduceat((force_y**2 + force_z**2)[..., : self.edges[-1]], self.edges[:-1], axis=-1)
+        return found
+
+    def force_size(self, squares: Array) -> Array:
+        """Root-mean-square force over the second half of the beats, N, shape (...); of what `squares` gives."""
+        half = len(self) // 2
+        return np.sqrt(squares[..., half:].sum(axis=-1) / (self.edges[-1] - self.edges[half]))
 
 
 def whole_beats(case: Case, time: Array) -> Beats:
@@ -74,25 +78,26 @@ def whole_beats(case: Case, time: Array) -> Beats:
 def settled_beats(result: Result) -> Beats:
     """The whole beats after the starting transient, see `transient`."""
     beats = whole_beats(result.case, result.time)
-    return beats.after(int(transient(beats, result.force_y, result.force_z)))
+    if len(beats) < 2:
+        return beats
+    forces = result.force_y, result.force_z
+    return beats.after(int(transient(beats.mean_forces(*forces), beats.force_size(beats.squares(*forces)))))
 
 
-def transient(beats: Beats, force_y: Array, force_z: Array) -> NDArray[np.intp]:
+def transient(forces: Array, size: Array) -> NDArray[np.intp]:
     """Number of beats that belong to the starting transient, at most half of them; shape (...).
 
     The standard error of the mean force of the others is then smallest: the marginal standard error rule (White,
     Simulation 69, 1997), which balances the bias of the transient against the loss of samples.
 
     Args:
-        force_y, force_z: N, shape (..., steps).
+        forces: mean force vector of each beat, N, shape (..., 2, beats).
+        size: root-mean-square force, N, shape (...).
     """
-    if len(beats) < 2:
-        return np.zeros(force_y.shape[:-1], np.intp)
-    forces, size = beats.mean_forces(force_y, force_z), beats.force_size(force_y, force_z)
-    most = len(beats) // 2
+    most = forces.shape[-1] // 2
     # Sums of differences from the mean of the second half, to avoid cancellation.
     apart = (forces - forces[..., most:].mean(axis=-1, keepdims=True))[..., ::-1]
-    count = np.arange(1, len(beats) + 1)
+    count = np.arange(1, forces.shape[-1] + 1)
     scatter = np.sum(np.cumsum(apart**2, axis=-1) - np.cumsum(apart, axis=-1) ** 2 / count, axis=-2)
     errors = ((scatter + count * (BLUR * size[..., None]) ** 2) / count**2)[..., ::-1]
     return np.argmin(errors[..., : most + 1], axis=-1)

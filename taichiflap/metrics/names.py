@@ -9,15 +9,17 @@ import cmath
 import difflib
 import math
 import typing
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..case.case import Case
 from ..errors import UserError
 from ..march.reference import reference
 from ..results.variables import VARIABLES, Variable
+from .columns import ORDERS, WAVING, columns
 from .similarity import Similarity
-from .summary import ORDERS, WAVING, Statistic, Summary, summaries
+from .statistic import Statistic, Statistics
+from .summary import Summary
 
 OF_FILM = ("circulation", "wake_")
 """Prefixes of series from a fluid model's outputs, which a study does not keep."""
@@ -173,27 +175,34 @@ def measure(runs: Any, names: Sequence[str]) -> list[dict[str, float]]:
     """Metrics of each of several runs; NaN where undefined, such as the phase of a wing at rest.
 
     Args:
-        runs: as of `taichiflap.metrics.summary.summaries`.
+        runs: as of `taichiflap.metrics.columns.columns`.
         names: metrics as returned by `choose`.
     """
-    found = [_flattened(summary) if summary else {} for summary in summaries(runs)]
-    return [{name: values.get(name, math.nan) for name in names} for values in found]
+    found = [dict.fromkeys(names, math.nan) for _ in runs.cases]
+    for members, of_summary in columns(runs):
+        values = _flattened(of_summary)
+        undefined_here = [math.nan] * len(members)
+        rows = zip(*(values.get(name, undefined_here) for name in names), strict=True)
+        for b, row in zip(members, rows, strict=True):
+            found[b] = dict(zip(names, row, strict=True))
+    return found
 
 
-def _flattened(summary: Summary) -> dict[str, float]:
-    values: dict[str, float] = {}
-    for name, value in vars(summary).items():
-        if isinstance(value, Statistic):
-            values[f"{name}_mean"], values[f"{name}_spread"] = value.mean, value.spread
-            values[f"{name}_error"] = math.nan if value.error is None else value.error
-        elif isinstance(value, int | float):
-            values[name] = float(value)
-    for name, waves in summary.harmonics.items():
-        for n, wave in enumerate(waves, 1):
-            values[f"{name}_harmonic_{n}"] = abs(wave)
-            values[f"{name}_harmonic_{n}_phase"] = math.degrees(cmath.phase(wave))
-    lift = values.get("lift_mean", values["force_vertical_mean"])
+def _flattened(of_summary: Mapping[str, Any]) -> dict[str, list[float]]:
+    """Metrics of each run by name, of the columns of a summary."""
+    values: dict[str, list[float]] = {}
+    for name, column in of_summary.items():
+        if isinstance(column, Statistics):
+            values[f"{name}_mean"], values[f"{name}_spread"] = column.mean.tolist(), column.spread.tolist()
+            values[f"{name}_error"] = column.error.tolist()
+        elif isinstance(column, list):
+            values[name] = [math.nan if value is None else float(value) for value in column]
+    for name, waves in of_summary["harmonics"].items():
+        for n, wave in enumerate(zip(*waves, strict=True), 1):
+            values[f"{name}_harmonic_{n}"] = [abs(one) for one in wave]
+            values[f"{name}_harmonic_{n}_phase"] = [math.degrees(cmath.phase(one)) for one in wave]
+    lifts = values.get("lift_mean", values["force_vertical_mean"])
     for name, power in RATIOS.items():
-        if values[power]:
-            values[name] = lift / values[power]
+        each = zip(lifts, values[power], strict=True)
+        values[name] = [lift / spent if spent else math.nan for lift, spent in each]
     return values

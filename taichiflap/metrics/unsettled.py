@@ -2,7 +2,8 @@
 
 import math
 
-from .summary import FEWEST_BEATS, Summary
+from .columns import FEWEST_BEATS
+from .summary import Summary
 from .uncertainty import FEWEST_BEATS as LEAST
 
 CURE = "increase time.periods, or time.duration of a run in seconds"

@@ -1,5 +1,6 @@
 """A property along the chord: a constant, or a piecewise linear table over s = y/chord."""
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,6 +25,10 @@ class Profile:
     @classmethod
     def of(cls, given: float | Sequence[Sequence[float]]) -> "Profile":
         """Make it from a number or a table [[s, value], ...], as in a case file."""
+        return _profile(given) if isinstance(given, int | float | tuple) else cls._of(given)
+
+    @classmethod
+    def _of(cls, given: float | Sequence[Sequence[float]]) -> "Profile":
         table = [(0.0, given), (1.0, given)] if isinstance(given, int | float) else given
         s, values = np.array(table, dtype=np.float64).T
         return cls(s, values)
@@ -32,7 +37,7 @@ class Profile:
         """Values at `s`, of the same shape."""
         return np.asarray(np.interp(s, self.s, self.values))
 
-    @property
+    @functools.cached_property
     def mean(self) -> float:
         """Mean over the chord."""
         return float(self.means(np.array([0.0, 1.0]))[0])
@@ -45,3 +50,9 @@ class Profile:
         left = np.searchsorted(self.s, edges, side="right") - 1
         to_edge = area[left] + (edges - self.s[left]) * 0.5 * (self.values[left] + self(edges))
         return np.diff(to_edge) / np.diff(edges)
+
+
+@functools.lru_cache(maxsize=64)
+def _profile(given: float | tuple[tuple[float, float], ...]) -> Profile:
+    """That of a number or tuple, which cases of a study and parts of a case share."""
+    return Profile._of(given)

@@ -1,6 +1,6 @@
 """Batches of cases with one solver, marched side by side, and the metrics of each case."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -52,6 +52,7 @@ def batches(
     """
     checked: dict[Any, Any] = {}
     for first in range(0, len(pending), WINDOW):
+        motions: dict[int, int] = {}
         found: list[tuple[Any, int, Case]] = []
         for number in pending[first : first + WINDOW].tolist():
             try:
@@ -60,7 +61,9 @@ def batches(
             except CaseError as error:
                 yield number, error
             else:
-                found.append(((one.solver, one.steps, work(one)), number, one))
+                # Cases with the same motion stand together, as they are sampled and measured together.
+                motion = motions.setdefault(id(one.motion), number)
+                found.append(((one.solver, one.steps, work(one), motion), number, one))
         found.sort(key=lambda entry: entry[:2])
         yield from _split(found, threads or available_threads())
 
@@ -69,7 +72,7 @@ def _split(found: list[tuple[Any, int, Case]], threads: int) -> Iterator[Batch]:
     gathered: list[tuple[Any, int, Case]] = []
     spent = size = 0.0
     for entry in found:
-        (solver, _, effort), _, one = entry
+        (solver, _, effort, _), _, one = entry
         other = gathered and gathered[-1][0][0] != solver
         enough = spent > BATCH_WORK * threads and len(gathered) >= SHARES * threads
         room = memory(one)
@@ -85,7 +88,7 @@ def _split(found: list[tuple[Any, int, Case]], threads: int) -> Iterator[Batch]:
 
 def _batch(gathered: list[tuple[Any, int, Case]]) -> Batch:
     cases = [case for *_, case in gathered]
-    return Batch([number for _, number, _ in gathered], cases, sum(effort for (*_, effort), *_ in gathered))
+    return Batch([number for _, number, _ in gathered], cases, sum(key[2] for key, *_ in gathered))
 
 
 def whole_work(case: Case, design: Design, pending: np.ndarray) -> float:
@@ -157,9 +160,19 @@ def _alike(march: March, members: Sequence[int]) -> Iterator[tuple[list[int], li
         key = case.steps, march.sections[b].count, case.fluid.streams, bool(scale.force)
         groups.setdefault(key, []).append((b, scale))
     for group in groups.values():
-        for first in range(0, len(group), TOGETHER):
-            numbers, scales = zip(*group[first : first + TOGETHER], strict=True)
-            yield list(numbers), list(scales)
+        first = 0
+        for last in range(1, len(group) + 1):
+            turns = last < len(group) and len(_motions(march, (b for b, _ in group[last - 1 : last + 1]))) > 1
+            # Half as many are as fast, if they share their motion.
+            if last in (first + TOGETHER, len(group)) or (turns and last >= first + TOGETHER // 2):
+                numbers, scales = zip(*group[first:last], strict=True)
+                yield list(numbers), list(scales)
+                first = last
+
+
+def _motions(march: March, members: Iterable[int]) -> set[int]:
+    """The different motions of some cases of a batch."""
+    return {id(march.cases[b].motion) for b in members}
 
 
 def _series(
@@ -167,8 +180,20 @@ def _series(
 ) -> Series:
     """The series of some cases of a batch, which `march.advance` gave in blocks."""
     cases, sections = [march.cases[b] for b in members], [march.sections[b] for b in members]
-    names = "q", "modal_force", "force"
-    parts = [{name: np.stack([block[b][name] for b in members]) for name in names} for block in blocks]
-    found = parts[0] if len(parts) == 1 else {name: np.concatenate([one[name] for one in parts], 1) for name in names}
     steps = np.arange(cases[0].steps + 1)
-    return Series(cases, sections, march.motion[members, : len(steps)], steps, **found, scales=scales)
+    own = members[:1] if len(_motions(march, members)) == 1 and len({case.step for case in cases}) == 1 else members
+    found = {name: _joined(name, members, blocks) for name in ("q", "modal_force", "force")}
+    return Series(cases, sections, march.motion[own, : len(steps)], steps, **found, scales=scales)
+
+
+def _joined(name: str, members: Sequence[int], blocks: Sequence[Sequence[Any]]) -> np.ndarray:
+    """An array of some cases over all blocks, shape (cases, steps, ...), whose steps follow each other in memory."""
+    shape = blocks[0][members[0]][name].shape[1:]
+    found = np.empty((*shape, len(members), sum(len(block[members[0]][name]) for block in blocks)))
+    first = 0
+    for block in blocks:
+        last = first + len(block[members[0]][name])
+        for i, b in enumerate(members):
+            found[..., i, first:last] = np.moveaxis(block[b][name], 0, -1)
+        first = last
+    return np.moveaxis(found, (-2, -1), (0, 1))

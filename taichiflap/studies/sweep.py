@@ -1,6 +1,7 @@
 """Run every missing case of a map, batch by batch, locally or on a cluster."""
 
 import functools
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,9 @@ from ..maps.outcome import Outcome
 from ..metrics.names import METRICS, choose
 from . import workers
 from .batch import Batch, batches, compute, whole_work
+
+WRITTEN_EVERY = 1.0
+"""Seconds between two times at which a map is written: the most that a crash costs beside the batches that run."""
 
 Progress = Callable[[float, int, float], None]
 """Callback of (cases done, counting parts of running ones; all cases; fraction of this call's work done)."""
@@ -44,6 +48,38 @@ class Tally:
         """Count cases as done, and report."""
         self.done, self.spent = self.done + cases, self.spent + work
         self.tell()
+
+
+class Unwritten:
+    """Outcomes of cases that the map does not yet hold, so that short batches are written together."""
+
+    def __init__(self, sheet: Map) -> None:
+        self._sheet, self._written = sheet, time.monotonic()
+        self._numbers: list[int] = []
+        self._outcomes: list[Outcome] = []
+
+    def add(self, numbers: Sequence[int], outcomes: Sequence[Outcome]) -> None:
+        """Keep outcomes, and write them if it is time to, or at once if they hold series.
+
+        Raises:
+            MapError: if the map cannot be written.
+        """
+        self._numbers += numbers
+        self._outcomes += outcomes
+        if self._sheet.keeps_series or time.monotonic() - self._written >= WRITTEN_EVERY:
+            self.write()
+
+    def write(self) -> None:
+        """Write all of them.
+
+        Raises:
+            MapError: if the map cannot be written.
+        """
+        numbers, outcomes = self._numbers, self._outcomes
+        self._numbers, self._outcomes = [], []
+        if numbers:
+            self._sheet.record(numbers, outcomes)
+        self._written = time.monotonic()
 
 
 @dataclass(frozen=True)
@@ -137,7 +173,7 @@ def prepare(
 def fill(
     sheet: Map, *, cluster: str | None = None, threads: int | None = None, progress: Progress | None = None
 ) -> None:
-    """Run the missing cases of a map. Each batch is written to the disk before the next.
+    """Run the missing cases of a map. Short batches are written together, see `WRITTEN_EVERY`.
 
     Raises:
         MapError: if the map cannot be written.
@@ -146,6 +182,7 @@ def fill(
     pending = sheet.pending
     work = whole_work(sheet.case, sheet.design, pending) if progress else 0.0
     tally = Tally(sheet.design.size - len(pending), sheet.design.size, work, progress)
+    unwritten = Unwritten(sheet)
 
     def sound(found: Iterable[Any]) -> Iterator[Batch]:
         """Yield valid batches; invalid cases are recorded as failed."""
@@ -154,7 +191,7 @@ def fill(
                 yield one
             else:
                 number, error = one
-                sheet.record([number], [Outcome(reason=_sentence(error))])
+                unwritten.add([number], [Outcome(reason=_sentence(error))])
                 tally.add(1, 0.0)
 
     processes = 1 if cluster else workers.worth(sheet.case, len(pending), threads or available_threads())
@@ -162,9 +199,12 @@ def fill(
     spec = Spec(sheet.metrics, sheet.keeps_series, threads if alone else 1, processes, tally.tell)
     found = sound(batches(sheet.case, sheet.design, pending, spec.threads))
     tally.tell()
-    for batch, outcomes in _there(cluster, found, spec) if cluster and len(pending) else here(found, spec):
-        sheet.record(batch.numbers, outcomes)
-        tally.add(len(batch.numbers), batch.work)
+    try:
+        for batch, outcomes in _there(cluster, found, spec) if cluster and len(pending) else here(found, spec):
+            unwritten.add(batch.numbers, outcomes)
+            tally.add(len(batch.numbers), batch.work)
+    finally:
+        unwritten.write()
     sheet.finish()
 
 

@@ -99,18 +99,30 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
     modes = most_modes(sections)
     element = np.zeros((count, ROWS, most))
     shape, slope = np.zeros((2, count, modes, most))
-    sines, shape_sine = np.zeros((count, TERMS, most)), np.zeros((count, modes, TERMS))
-    cosines, lifts = np.zeros((count, COEFFICIENTS, most)), np.zeros((count, COEFFICIENTS - 1, most))
+    used = Uses(any(map(extends, cases)), common_modes(sections))
+    # The paper's model does not read the tables of the others.
+    terms, coefficients, loads_of = (TERMS, COEFFICIENTS, COEFFICIENTS - 1) if used.extended else (1, 1, 1)
+    sines, shape_sine = np.zeros((count, terms, most)), np.zeros((count, modes, terms))
+    cosines, lifts = np.zeros((count, coefficients, most)), np.zeros((count, loads_of, most))
+    tables = element, shape, slope, sines, shape_sine, cosines, lifts
+    laid: dict[tuple[int, int], int] = {}
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
+        # The cases of a study often share their wing.
+        same = laid.setdefault((id(section), case.dbet.elements), b)
+        if same < b:
+            for table in tables:
+                table[b] = table[same]
+            continue
         n, y = case.dbet.elements, elements.middles(case)
         element[b, POSITION, :n] = y
         element[b, AREA, :n] = elements.areas(case)
         element[b, SHARE, :n] = 1.0 / n
         element[b, STRETCH, :n] = 1.0
         shape[b, : section.count, :n], slope[b, : section.count, :n] = section.curves(y)
-        sines[b, :, :n] = added_mass.table(case)
-        shape_sine[b] = (shape[b, :, None] * sines[b]).sum(axis=2)
-        cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(n), attached.loads(n)
+        if used.extended:
+            sines[b, :, :n] = added_mass.table(case)
+            shape_sine[b] = (shape[b, :, None] * sines[b]).sum(axis=2)
+            cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(n), attached.loads(n)
     blades = Blades(
         elements=array([case.dbet.elements for case in cases]),
         option=array([_options(case) for case in cases]),
@@ -121,14 +133,13 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         shape_slope=octet_array(slope),
         sines=octet_array(sines),
         shape_sine=array(shape_sine),
-        sine=zeros(ti.f64, count, modes + 1, TERMS),
+        sine=zeros(ti.f64, count, modes + 1, terms),
         cosines=octet_array(cosines),
         loads=octet_array(lifts),
-        cosine=zeros(ti.f64, count, modes + 1, COEFFICIENTS),
-        work=zeros(ti.f64, count, 1, COEFFICIENTS),
+        cosine=zeros(ti.f64, count, modes + 1, coefficients),
+        work=zeros(ti.f64, count, 1, coefficients),
         lag=zeros(ti.f64, count, LAGS),
     )
-    used = Uses(any(map(extends, cases)), common_modes(sections))
     return Flow({"flow": blades}, {"flow": Blades}, prepare, settle, record, uses=used)
 
 
