@@ -87,9 +87,10 @@ class Series:
 
     def at(self, places: Sequence[int]) -> "Series":
         """The variables at some of the steps."""
-        steps = self._steps[places]
-        state = (values[:, places] for values in (self._q, self._modal_force, self._force))
-        return Series(self.cases, self.sections, self._motion[:, places], steps, *state, self.scales)
+        motion, q, modal_force, force = (
+            values[:, places] for values in (self._motion, self._q, self._modal_force, self._force)
+        )
+        return Series(self.cases, self.sections, motion, self._steps[places], q, modal_force, force, self.scales)
 
     @functools.cached_property
     def moved(self) -> Array:
