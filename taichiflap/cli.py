@@ -251,8 +251,10 @@ def plot(
 
     from .drawing.orientation import FRAMES
     from .maps.file import is_map, open_map
+    from .plots import undocumented
     from .results.reader import open_result
 
+    undocumented.skip()
     if len(files) == 1 and is_map(files[0]):
         from .plots import maps as map_plots
 

@@ -27,6 +27,7 @@ from taichiflap.results import checkpoint, layout
 from taichiflap.results.writer import Writer
 from taichiflap.run import blocks
 from taichiflap.studies import batch
+from taichiflap.studies import sweep as studies
 
 CASES = Path(__file__).parent.parent / "cases"
 SHORT = ("uvlm.panels=8", "uvlm.wake=100", "time.periods=6", "time.steps_per_period=100", "wing.modes=2")
@@ -42,7 +43,7 @@ def simulate(path):
 
 def sweep(path):
     """The sweep to kill: many batches."""
-    batch.BATCH_WORK = 0.0
+    batch.BATCH_WORK, studies.WRITTEN_EVERY = 0.0, 0.0
     taichiflap.sweep(
         taichiflap.load_case(CASES / "hawkmoth_dbet.toml", BLADES), {"fluid.density": "1:2:40"}, path, threads=1
     )

@@ -28,6 +28,7 @@ from taichiflap.cli import main as command_line
 from taichiflap.results import checkpoint, layout
 from taichiflap.run import blocks
 from taichiflap.studies import batch
+from taichiflap.studies import sweep as studies
 
 SHIM = r"""
 #define _GNU_SOURCE
@@ -145,7 +146,7 @@ def attempt(shim, folder, name, n, persists, told):
         return os.waitstatus_to_exitcode(status)
     os.chdir(folder)
     blocks.BLOCK_STEPS, checkpoint.SECONDS, batch.BATCH_WORK = 10, 0.0, 0.0
-    batch.SHARES = 2
+    batch.SHARES, studies.WRITTEN_EVERY = 2, 0.0
     if "compressed" in name:
         layout.LARGE = 64
     said, code = io.StringIO(), 0

@@ -1,8 +1,8 @@
 """The map file: metrics of every case of a design, in HDF5 that xarray and netCDF4 can open.
 
-During a study the map is kept in memory and rewritten after every batch, first under another name, so that a crash or a
-full disk costs at most the current batch. A large map is filled in place, values first and then the status that marks
-them as valid.
+During a study the map is kept in memory and rewritten whenever outcomes are recorded, first under another name, so that
+a crash or a full disk costs nothing that was recorded before. A large map is filled in place, values first and then the
+status that marks them as valid.
 """
 
 import contextlib

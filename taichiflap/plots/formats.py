@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .. import files
@@ -15,6 +16,8 @@ KINDS = ("pdf", "eps", "svg", "png")
 OTHERS = ("jpg", "jpeg", "tif", "tiff", "gif", "bmp", "webp", "ps", "pgf", "emf", "wmf")
 """Extensions of unsupported picture types."""
 RESOLUTION = 300
+COMPRESSION = 3
+"""Of PNG: a fifth larger than at 6, in two thirds of the time."""
 
 # EPS has no transparency; matplotlib warns about it at every figure.
 logging.getLogger("matplotlib.backends.backend_ps").setLevel(logging.ERROR)
@@ -50,8 +53,9 @@ def write(figures: dict[str, Figure], stem: Path, kinds: tuple[str, ...], style:
     for path, (figure, kind) in named.items():
         # No metadata that change from day to day.
         dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+        packed: Any = {"pil_kwargs": {"compress_level": COMPRESSION}} if kind == "png" else {}
         with files.replacing(path) as file, mpl.rc_context(style):
-            figure.savefig(file, format=kind, dpi=RESOLUTION, metadata=dated.get(kind))
+            figure.savefig(file, format=kind, dpi=RESOLUTION, metadata=dated.get(kind), **packed)
     return list(named)
 
 
@@ -62,6 +66,8 @@ def _lay_out(figure: Figure, style: Any) -> None:
         by_hand: Any = {"figure.autolayout": False, "figure.constrained_layout.use": False}
         with mpl.rc_context({**style, **by_hand}):
             figure.set_dpi(RESOLUTION)
+            # A canvas that keeps what it measures texts with.
+            FigureCanvasAgg(figure)
             layout.execute(figure)
             # Without one, a figure is not drawn once more to find out whether anything has moved.
             figure.set_layout_engine(None)
