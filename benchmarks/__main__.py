@@ -52,6 +52,7 @@ PARTS: dict[str, Measured] = {
     "step": lambda _: runs.parts(),
     "sweeps": lambda _: runs.sweeps(),
     "wakes": _wakes,
+    "crossover": lambda bench: wakes.crossover(bench.limit),
     "start": lambda _: commands.start(),
     "figures": lambda _: commands.drawing(),
     "output": lambda _: commands.output(),

@@ -4,12 +4,14 @@ A wake shorter than `long_wake.WIDE` is computed by one thread.
 """
 
 import functools
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from taichiflap import fluids
+from taichiflap.fluids.uvlm import long_wake
 from taichiflap.fluids.uvlm.long_wake import WIDE
 from taichiflap.fluids.uvlm.wake import COUNT
 from taichiflap.kernels.runtime import available_threads, view
@@ -31,6 +33,8 @@ WAYS = {
 }
 LARGEST = {"direct, two vortices a step": 12_800}
 """Vortices up to which a way is clocked, if not up to the last of `SIZES`."""
+CROSSOVER = (1200, 1700, 2400, 3400, 4800)
+"""Vortices between which the tree becomes faster than the pair sums."""
 SECONDS = 0.2
 """About so long is a clocking, where one step is not longer."""
 
@@ -81,6 +85,45 @@ def rows(taken: StepTimes, limit: float) -> Iterator[Row]:
             note = f"{seconds * limit * used / size**2:.2f} x all pairs at the C loop's rate on {used} thread(s)"
             yield Row(SECTION, f"{name}: step of {size} vortices", 1e3 * seconds, "ms", note=note)
         yield Row(SECTION, f"{name}: exponent of the cost from 3,200 vortices up", exponent(times), "")
+
+
+def crossover(limit: float) -> Iterator[Row]:
+    """Where the tree becomes faster than the pair sums, with one and two vortices a step, in processor time."""
+    pairs = {"one vortex a step": "", "two vortices a step": ", two vortices a step"}
+    ways = {f"{sums}{ending}" for sums in ("direct", "tree, error 1e-3") for ending in pairs.values()}
+    taken: StepTimes = {name: {} for name in WAYS if name in ways}
+    least, long_wake.FAR = long_wake.FAR, 0
+    try:
+        for size in CROSSOVER:
+            steps = max(1, math.ceil(SECONDS * limit / size**2))
+            works = {name: functools.partial(_laid, size, steps, WAYS[name]) for name in taken}
+            for name, clocked in alternate(works, 3).items():
+                taken[name][size] = clocked.cpu / steps
+    finally:
+        long_wake.FAR = least
+    for about, ending in pairs.items():
+        direct, tree = taken[f"direct{ending}"], taken[f"tree, error 1e-3{ending}"]
+        ratios = {size: tree[size] / direct[size] for size in CROSSOVER}
+        for size, ratio in ratios.items():
+            note = f"{1e3 * tree[size]:.3g} ms of {1e3 * direct[size]:.3g} ms a step"
+            yield Row(SECTION, f"{about}: tree over direct, {size} vortices", ratio, "x", note=note)
+        found, note = _crossing(ratios)
+        yield Row(SECTION, f"{about}: vortices from which the tree is faster", found, "", note=note)
+        slopes = f"{exponent(direct, 0):.2f} and {exponent(tree, 0):.2f}"
+        slope = exponent(ratios, 0)
+        yield Row(
+            SECTION, f"{about}: exponent of the ratio", slope, "", note=f"direct and tree in this range: {slopes}"
+        )
+
+
+def _crossing(ratios: dict[int, float]) -> tuple[float, str]:
+    """Where a ratio falls below one, interpolated, and between which sizes."""
+    sizes = list(ratios)
+    for few, many in itertools.pairwise(sizes):
+        if ratios[few] > 1.0 >= ratios[many]:
+            share = math.log(ratios[few]) / math.log(ratios[few] / ratios[many])
+            return few * (many / few) ** share, f"between {few} and {many}; used from {long_wake.FAR}"
+    return math.nan, f"not between {sizes[0]} and {sizes[-1]}"
 
 
 def exponent(taken: dict[int, float], smallest: int = 3200) -> float:

@@ -4,16 +4,18 @@ Commands draw without it; a Python session has it, since a user may ask for it t
 """
 
 import os
+from typing import Any
 
 
 def skip() -> None:
     """Call before anything else of matplotlib is imported. TAICHIFLAP_DEBUG=1 keeps the documentation."""
     if os.environ.get("TAICHIFLAP_DEBUG"):
         return
-    from matplotlib import artist  # noqa: PLC0415 - figures alone need it
+    import matplotlib.artist  # noqa: PLC0415 - figures alone need it
 
+    artist: Any = matplotlib.artist
     artist.kwdoc = _nothing
-    artist.Artist._update_set_signature_and_docstring = classmethod(_nothing)  # type: ignore[method-assign, assignment]
+    artist.Artist._update_set_signature_and_docstring = classmethod(_nothing)
 
 
 def _nothing(_: object) -> str:
