@@ -92,7 +92,7 @@ def crossover(limit: float) -> Iterator[Row]:
     pairs = {"one vortex a step": "", "two vortices a step": ", two vortices a step"}
     ways = {f"{sums}{ending}" for sums in ("direct", "tree, error 1e-3") for ending in pairs.values()}
     taken: StepTimes = {name: {} for name in WAYS if name in ways}
-    least, long_wake.FAR = long_wake.FAR, 0
+    least, long_wake.FAR = long_wake.FAR, CROSSOVER[0]
     try:
         for size in CROSSOVER:
             steps = max(1, math.ceil(SECONDS * limit / size**2))
