@@ -459,6 +459,30 @@ def test_a_resumed_run_is_the_uninterrupted_one_bit_for_bit(tmp_path, monkeypatc
         assert again.status == "complete"
 
 
+def test_steps_are_on_the_disk_before_a_checkpoint_counts_on_them(tmp_path, monkeypatch):
+    """Otherwise a power failure could keep the checkpoint and lose the steps."""
+    path, synced, kept = tmp_path / "run.h5", [], []
+    draft, sync, save = reader.part(path), os.fsync, checkpoint.save
+
+    def note_sync(handle):
+        sync(handle)
+        if draft.exists() and os.path.samestat(os.fstat(handle), draft.stat()):
+            with taichiflap.open_result(draft) as result:
+                synced.append(result.steps)
+
+    def note_save(place, case, state):
+        save(place, case, state)
+        kept.append((min(state.next_step, case.steps + 1), synced[-1]))
+
+    monkeypatch.setattr(blocks, "BLOCK_STEPS", 61)
+    monkeypatch.setattr(checkpoint, "SECONDS", 0.0)
+    monkeypatch.setattr(os, "fsync", note_sync)
+    monkeypatch.setattr(checkpoint, "save", note_save)
+    taichiflap.simulate(hawkmoth(*SHORT, "solver=dbet"), path).close()
+    assert len(kept) > 2
+    assert all(needed == stored for needed, stored in kept)
+
+
 def interrupted(case, path):
     """The files of an interrupted run."""
 

@@ -17,10 +17,11 @@ from taichiflap.commands import progress
 from taichiflap.errors import UserError
 from taichiflap.kernels.arrays import Spare
 from taichiflap.maps import file as maps
-from taichiflap.maps import outcome
+from taichiflap.maps import layout, outcome
 from taichiflap.maps.design import design, read_vary
 from taichiflap.metrics import names as quantities
 from taichiflap.metrics import summary as metrics
+from taichiflap.results import hdf
 from taichiflap.studies import batch
 from taichiflap.studies.sweep import fill, prepare
 
@@ -381,6 +382,21 @@ def test_a_map_has_its_name_when_it_is_laid_out_and_not_before(case, tmp_path, m
     assert not list(tmp_path.iterdir())
     with pytest.raises(maps.MapError, match=r"cannot be created: .*nowhere is not a folder"):
         prepare(case, planned, tmp_path / "nowhere" / "map.h5")
+
+
+def test_values_of_a_large_map_are_on_the_disk_before_their_status(case, tmp_path, monkeypatch):
+    """Otherwise a power failure could keep the status and lose the values."""
+    monkeypatch.setattr(maps, "MOST_IMAGE", 0)
+    written, scatter = [], layout.scatter
+    monkeypatch.setattr(
+        layout, "scatter", lambda dataset, *what: (written.append(dataset.name), scatter(dataset, *what))
+    )
+    monkeypatch.setattr(hdf.Guarded, "sync", lambda _: written.append("sync"))
+    kept = {"power_mean": quantities.METRICS["power_mean"]}
+    with maps.create(tmp_path / "map.h5", case, design(case, {"wing.modes": "0,1"}), kept) as sheet:
+        for number in range(2):
+            sheet.record([number], [outcome.Outcome({"power_mean": 1.0})])
+    assert written == 2 * ["/power_mean", "sync", "/status"]
 
 
 def attempt(planned, case, number, checked):

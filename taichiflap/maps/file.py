@@ -151,6 +151,8 @@ class Map:
                     kept = layout.series_of(self.file, self.design, name, len(series))
                     kept[(*place, slice(len(series)))] = series
             self.file.flush()
+            if self._guard:
+                self._guard.sync()
             layout.scatter(self.file["status"], places, statuses)
         except OSError as error:
             raise MapError(f"{self.path}: cannot be written: {first_line(error)}") from None

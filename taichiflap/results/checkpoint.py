@@ -17,7 +17,7 @@ from ..notation import printable
 
 SUFFIX = ".state"
 SECONDS = 1.0
-"""Time between two checkpoints, s: the most that a crash can cost."""
+"""Time between two checkpoints, s: the most that a crash can cost, unless they take long to write."""
 
 
 @dataclass(frozen=True)

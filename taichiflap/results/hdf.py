@@ -5,6 +5,7 @@ All text that is read back therefore has a fixed length.
 """
 
 import io
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -46,6 +47,15 @@ class Guarded(io.RawIOBase):
         """
         if self.error:
             raise self.error
+
+    def sync(self) -> None:
+        """Make the system write the file to the disk.
+
+        Raises:
+            OSError: the first write error.
+        """
+        self.check()
+        os.fsync(self._raw.fileno())
 
     def stop(self) -> None:
         """Stop touching the file."""

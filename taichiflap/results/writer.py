@@ -25,6 +25,9 @@ from .layout import Contents, Layout, Sample
 from .reader import Result, ResultError, first_line, open_result, part
 from .recorder import Recorder
 
+MOST_SPENT = 0.05
+"""Maximum share of a run's time that checkpoints may take; on a slow disk there are fewer."""
+
 
 class WriteError(ResultError):
     """Raised if a run cannot continue because its file cannot be written; earlier data are safe."""
@@ -52,7 +55,7 @@ class Writer(Recorder):
         super().__init__(case, warnings)
         self.path = path
         self._overwrite = overwrite
-        self._kept = time.monotonic()
+        self._kept, self._spent = time.monotonic(), 0.0
         self._file: Any = None
         self._raw: Any = None
         self._places: dict[str, tuple[int, np.dtype[Any]]] = {}
@@ -144,19 +147,22 @@ class Writer(Recorder):
     @property
     def due(self) -> bool:
         """Whether a new checkpoint is due."""
-        return time.monotonic() - self._kept >= checkpoint.SECONDS
+        return time.monotonic() - self._kept >= checkpoint.SECONDS * max(1.0, self._spent / MOST_SPENT)
 
     def keep(self, state: Checkpoint) -> None:
-        """Write a checkpoint.
+        """Write a checkpoint, after the steps that it counts on.
 
         Raises:
             WriteError: if it cannot be written.
         """
+        began = time.monotonic()
         try:
+            os.fsync(self._raw.fileno())
             checkpoint.save(self.path, self.case, state)
         except OSError as error:
             raise WriteError(f"{self.path}: its checkpoint cannot be written: {first_line(error)}") from None
         self._kept = time.monotonic()
+        self._spent = self._kept - began
 
     def finish(
         self,
