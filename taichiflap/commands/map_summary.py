@@ -54,7 +54,7 @@ def _doubts(sheet: Map) -> Iterator[str]:
     if broken.any():
         yield (
             f"in {broken.sum():,} {of} the model is invalid: tip deflection above {BROKEN:g} chord, or normal force "
-            f"above {FORCE:g} times rho V^2 S / 2; figures show these cases in grey"
+            f"above {FORCE:g} times rho V^2 S / 2; figures show these cases in grey, and min and max leave them out"
         )
     if bent:
         yield (
@@ -73,7 +73,10 @@ def _doubts(sheet: Map) -> Iterator[str]:
 
 
 def _extremes(sheet: Map, name: str) -> Iterator[tuple[str, str]]:
-    values = sheet.values(name).ravel()
+    """The least and the largest value of a metric, of the cases in which the model is valid, if any."""
+    values, broken = sheet.values(name).ravel(), limits.broken(sheet)
+    if np.isfinite(values[~broken]).any():
+        values = np.where(broken, np.nan, values)
     if np.isnan(values).all():
         return
     for word, number in (("min", int(np.nanargmin(values))), ("max", int(np.nanargmax(values)))):
