@@ -100,8 +100,8 @@ def crowd(path: Path) -> tuple[list[int], list[float]]:
     waits: list[float] = []
     original = ExploreSession._arrive
 
-    def arrive(session: ExploreSession, number: int, *answer: Any) -> None:
-        original(session, number, *answer)
+    def arrive(session: ExploreSession, number: int, *answer: Any, what: str) -> None:
+        original(session, number, *answer, what=what)
         if answer[0] is not None and number in asked:
             counts[id(session)] = counts.get(id(session), 0) + 1
             waits.append(1e3 * (time.perf_counter() - asked[number]))

@@ -121,6 +121,7 @@ def recorded(tmp_path_factory):
     """Files of two beats of the hawkmoth by name: by each model, and of one with three modes; computed when asked."""
     folder = tmp_path_factory.mktemp("results")
     settings = {"uvlm": (), "dbet": ("solver=dbet",), "modes": ("wing.modes=3", "uvlm.wake=40")}
+    settings["short"] = ("solver=dbet", "time.periods=1")
 
     def path(name):
         file = folder / f"{name}.h5"

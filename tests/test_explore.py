@@ -2,6 +2,8 @@
 
 import contextlib
 import math
+import os
+import signal
 import threading
 import time
 from pathlib import Path
@@ -14,7 +16,7 @@ from conftest import CASES, hawkmoth
 from taichiflap_viewer.explore.change import BEATS, History, addressed, brief, changed, short_text
 from taichiflap_viewer.explore.keys import CHOICE, FIRST, NUMBER, SWITCH, WHOLE, controls, value_of
 from taichiflap_viewer.explore.viewer import Explorer
-from taichiflap_viewer.explore.worker import BEGUN, Worker, received
+from taichiflap_viewer.explore.worker import BEGUN, ENDED, Worker, received
 from test_viewer import CAMERA
 from websockets.sync.client import connect
 
@@ -143,6 +145,26 @@ def test_the_worker_computes_what_simulate_does_and_gives_up_what_nobody_wants(m
     finally:
         shared.close()
     assert not shared.alive
+
+
+@pytest.mark.slow
+def test_a_process_that_does_not_read_holds_nobody_up_and_one_that_ends_says_so():
+    case = hawkmoth(*SMALL)
+    shared = Worker(case, threads=1)
+    try:
+        browser = Browser(shared)
+        assert shared.ready.wait(60.0)
+        os.kill(shared._process.pid, signal.SIGSTOP)
+        # Far more than a pipe holds.
+        numbers = [browser.ask(case) for _ in range(1000)]
+        os.kill(shared._process.pid, signal.SIGCONT)
+        assert browser.wait(numbers[-1])[1] == ""
+        shared._process.kill()
+        until(lambda: (None, ENDED, 0.0) in browser.heard.values())
+        with pytest.raises(OSError, match="has ended"):
+            browser.ask(case)
+    finally:
+        shared.close()
 
 
 @pytest.mark.slow

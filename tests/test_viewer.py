@@ -22,6 +22,7 @@ import zstandard
 from conftest import CASES, hawkmoth
 from taichiflap_viewer import Viewer, ViewError, app, camera, charts, compare, field, server, timeline, wire
 from taichiflap_viewer.background import Background
+from taichiflap_viewer.clock import Clock
 from taichiflap_viewer.colours import DARK, LIGHT, linear
 from taichiflap_viewer.field import NONE, VORTICITY
 from taichiflap_viewer.frames import Run
@@ -651,6 +652,24 @@ def test_any_two_results_are_compared(kinds, capfd):
         finally:
             viewer.stop()
     assert "Traceback" not in capfd.readouterr().err
+
+
+def test_results_without_a_period_are_compared_at_the_same_time():
+    short, long = (taichiflap.load_case(CASES / "pitch_ramp.toml", [f"time.duration={end}"]) for end in (4.0, 8.0))
+    assert Clock(long).beats_at(Clock(short), 0.5) == pytest.approx(0.25)
+    assert Clock(hawkmoth("motion.frequency=50.0")).beats_at(Clock(hawkmoth()), 0.5) == 0.5
+
+
+def test_a_picture_that_failed_is_tried_again(run, monkeypatch):
+    fields = field.Fields(run, warm=False)
+    try:
+        with monkeypatch.context() as patched:
+            patched.setattr(run, "flow_field", lambda _: 1 / 0)
+            assert fields.ask(0).exception()
+            assert fields.streaks.ask(0).exception() is None
+        assert fields.ask(0).result().vorticity.any()
+    finally:
+        fields.close()
 
 
 def test_a_page_that_cannot_be_built_says_so_and_others_play_on(folder, monkeypatch, capfd):

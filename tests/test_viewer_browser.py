@@ -6,7 +6,22 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from browsing import MARKS, NODE, PORT, PROPS, STORE, choose, floats, go_to, pixels_of, stop, wait_for_frame, wait_until
+from browsing import (
+    CHARTS,
+    MARKS,
+    NODE,
+    PORT,
+    PROPS,
+    STORE,
+    choose,
+    floats,
+    go_to,
+    pixels_of,
+    shows_all,
+    stop,
+    wait_for_frame,
+    wait_until,
+)
 from conftest import hawkmoth
 from matplotlib.image import imread
 from taichiflap_viewer import Viewer
@@ -255,6 +270,12 @@ def test_two_results_lie_over_each_other(serve, look):
     table = page.locator("[data-differences]").inner_text()
     for word in ("uvlm", "dbet", "Vertical force, mean", "phase", "peak"):
         assert word in table
+
+
+def test_a_shorter_result_leaves_the_charts_of_the_longer_one(serve, look):
+    """It has no values in the last beat, for which uPlot would find no range."""
+    page = look(serve("dbet", "short").address)
+    page.wait_for_function(f"() => {CHARTS}.length > 3 && {CHARTS}.every(chart => {shows_all('chart')})")
 
 
 def test_a_navier_stokes_run_opens_with_its_vorticity_and_turns_to_the_wings_frame(tmp_path, look):

@@ -190,7 +190,9 @@ class Charts:
         self._load(playback)
         self._nudge = NUDGE - self._nudge
         for quantity in self.quantities:
-            wire.send(self.handles[quantity.name], data=self._data(quantity, frame))
+            data = self._data(quantity, frame)
+            curves = (len(data) + 1) // 2
+            wire.send(self.handles[quantity.name], data=(*map(_drawable, data[:curves]), *data[curves:]))
 
     def read_again(self, playback: Playback) -> None:
         """Read the curves again: the file has grown, or there are other runs."""
@@ -215,20 +217,20 @@ class Charts:
 
     def _read(self, quantity: Quantity) -> list[Array]:
         assert self._window is not None
-        start, end = (step / self.runs[0].steps_per_beat for step in self._window)
+        first = self.runs[0]
+        window = [step / first.steps_per_beat for step in self._window]
         curves: list[Array] = []
-        for _, run in self._with(quantity):
-            times, values = run.curve(quantity.name, run.step_at(start), run.step_at(end), POINTS)
+        for run in self.runs:
+            if quantity.name not in (*run.variables, *dict(IN_STREAM)):
+                # A curve all the same: a chart keeps its number of curves.
+                curves.append(np.full(len(self._times), np.nan))
+                continue
+            start, end = (run.step_at(run.beats_at(first, beats)) for beats in window)
+            times, values = run.curve(quantity.name, start, end, POINTS)
+            times = first.beats_at(run, times)
             for curve in np.atleast_2d(values.T):
                 curves.append(quantity.factor * np.interp(self._times, times, curve, right=np.nan))
         return curves
-
-    def _with(self, quantity: Quantity) -> list[tuple[int, Run]]:
-        """The results that have a quantity, with their numbers."""
-        derived = dict(IN_STREAM)
-        return [
-            (k, run) for k, run in enumerate(self.runs) if quantity.name in derived or quantity.name in run.variables
-        ]
 
     def _data(self, quantity: Quantity, frame: int) -> tuple[Array, ...]:
         curves = self._curves[quantity.name]
@@ -244,7 +246,7 @@ class Charts:
 
     def _series(self, quantity: Quantity) -> tuple[Any, ...]:
         colours: list[str] = []
-        for number, run in self._with(quantity):
+        for number, run in enumerate(self.runs):
             if quantity is MODES:
                 colours += [MODE_COLOURS[k % len(MODE_COLOURS)] for k in range(len(run.shape))]
             else:
@@ -253,16 +255,23 @@ class Charts:
         if quantity is MODES and len(self.runs) > 1:
             for line in lines[len(self.runs[0].shape) :]:
                 line["dash"] = [5, 4]
-        # uPlot finds no range for data that start with NaN.
         dots = [
             {"stroke": colour, "points": {"show": True, "size": 9, "fill": colour}, "auto": False} for colour in colours
         ]
         return ({"label": "t/T"}, *lines, *dots)
 
 
+def _drawable(curve: Array) -> Array | list[float | None]:
+    """A curve for a page: uPlot finds no range for data that start with NaN, but ignores None."""
+    if not len(curve) or np.isfinite(curve[0]):
+        return curve
+    return [float(value) if np.isfinite(value) else None for value in curve]
+
+
 def caption(runs: list[Run]) -> str:
     """Legend of the charts, as HTML."""
-    text = "Horizontal axis: time in beats. The dot marks the current frame."
+    axis = "time in beats" if runs[0].case.periodic else "time as a share of the run"
+    text = f"Horizontal axis: {axis}. The dot marks the current frame."
     if len(runs) > 1:
         names = " ".join(
             f'<b style="color:{colour}">{escape(run.label)}</b>' for run, colour in zip(runs, RUNS, strict=False)

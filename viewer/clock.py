@@ -1,5 +1,7 @@
 """Times of a result's frames: beats, strokes, and their names."""
 
+from typing import Any
+
 import numpy as np
 
 from taichiflap.case.case import Case
@@ -55,6 +57,14 @@ class Clock:
         found = min(max(round(beats * self.frames_per_beat), 0), last)
         # The last frame of a run may have a shorter interval than the others.
         return last if abs(self.turns(last) - beats) < abs(self.turns(found) - beats) else found
+
+    def beats_at(self, other: "Clock", beats: Any) -> Any:
+        """The time, in beats of this result, that is compared with a time of another one, in beats of that.
+
+        Both have the same t/T; if one of them has no period, both have the same time in s.
+        """
+        alike = self.case.periodic and other.case.periodic
+        return beats if alike else beats * (other.case.beat / self.case.beat)
 
     def step_at(self, beats: float) -> int:
         """The step nearest to a time in beats."""

@@ -18,7 +18,7 @@ from .frame import Array
 from .frames import Run
 from .legend import Bar
 from .scene import ARROWS, arrows
-from .streaks import Streaks
+from .streaks import Streaks, has_failed
 
 NONE, VORTICITY, SPEED = BACKGROUNDS = ("none", "vorticity", "speed")
 ACROSS, FINE = 256, 288
@@ -148,7 +148,7 @@ class Fields:
         """The flow of a frame, at once or as soon as it is computed."""
         key = self.run.surveys, index, wanted or Wanted(VORTICITY)
         with self._lock:
-            if key not in self._flows:
+            if key not in self._flows or has_failed(self._flows[key]):
                 self._flows[key] = self._worker.submit(self._compute, index, key[2])
                 while len(self._flows) > KEPT:
                     self._flows.popitem(last=False)

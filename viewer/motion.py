@@ -47,17 +47,19 @@ class Motion:
         self._gui = client.gui
         self._text = case.to_toml()
         self.window: Any = None
+        self._turning = threading.Lock()
         self.button = self._gui.add_button(TITLE, hint=HINT)
         self.button.on_click(lambda _: self.turn())
 
     def turn(self) -> None:
         """Show the picture if it is not shown, else take it away."""
-        if self.window is not None:
-            self.window.remove()
-            self.window = None
-            return
-        drawn = picture(self._text)
-        self.window = self._gui.add_panel()
-        with self.window.add_tab(TITLE):
-            self._gui.add_image(drawn, format="png")
-        self.window.float(x=60, y=60, width=WIDTH)
+        with self._turning:
+            if self.window is not None:
+                self.window.remove()
+                self.window = None
+                return
+            drawn = picture(self._text)
+            self.window = self._gui.add_panel()
+            with self.window.add_tab(TITLE):
+                self._gui.add_image(drawn, format="png")
+            self.window.float(x=60, y=60, width=WIDTH)

@@ -103,7 +103,12 @@ class Session:
 
     def leave(self) -> None:
         """Say no more: what the page is told of a control that is gone, it complains of."""
-        self._started = False
+        with self._lock:
+            self._started = False
+            # What is still being computed is not drawn into another page of this browser.
+            with contextlib.suppress(RuntimeError):
+                self.background.show(Wanted(), 0, self.theme)
+                self.streak_lines.hide()
         self.view.leave()
         time.sleep(FLUSH_SECONDS)
 
@@ -153,7 +158,8 @@ class Session:
         elif self.playback.follow:
             coming = [self.run.frames - 1]
         for actor in self.actors:
-            here = index if actor.run is self.run else actor.run.index_at(self.run.turns(index))
+            run = actor.run
+            here = index if run is self.run else run.index_at(run.beats_at(self.run, self.run.turns(index)))
             actor.show(here, self._layers(actor))
         self.background.show(wanted, index, self.theme, coming)
         if streaks:
@@ -163,7 +169,7 @@ class Session:
         self._tell_cursor()
         text = self.run.frame(index).text
         self.stage.show(text, self.playback.layers["stroke"] and not wanted.riding)
-        self.bar.show(self.run, self.playback, index, f"{text}   {self._milliseconds(index)}")
+        self.bar.show(self.run, self.playback, index, f"{text}   {self._milliseconds(index)}".rstrip())
         now = time.monotonic()
         if not self.playback.playing or now - self._beside > BESIDE_SECONDS:
             self._beside = now
@@ -311,6 +317,9 @@ class Session:
         return Wanted(kind, layers["arrows"], layers["streamlines"], layers["riding"])
 
     def _milliseconds(self, frame: int) -> str:
+        """The time of a frame besides t/T; nothing for a run without a period, whose text has it."""
+        if not self.run.case.periodic:
+            return ""
         return f"{1e3 * self.run.case.step * float(self.run.case.step_of(frame)):.2f} ms"
 
     def _headline(self) -> str:

@@ -3,6 +3,7 @@
 import threading
 from collections import OrderedDict
 from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,11 @@ KEPT = 1024
 
 Points = tuple[tuple[float, float], ...]
 """Positions on the page, to the right and up, chords."""
+
+
+def has_failed(found: "Future[Any]") -> bool:
+    """Whether a computation has failed, so that it is tried again: a file may have been in the middle of a write."""
+    return found.done() and not found.cancelled() and found.exception() is not None
 
 
 class Streaks:
@@ -50,12 +56,13 @@ class Streaks:
         first, and those not released yet are NaN.
         """
         with self._lock:
-            if (index, points) not in self._asked:
-                self._asked[index, points] = self._worker.submit(self._compute, index, points)
+            key = index, points
+            if key not in self._asked or has_failed(self._asked[key]):
+                self._asked[key] = self._worker.submit(self._compute, index, points)
                 while len(self._asked) > KEPT:
                     self._asked.popitem(last=False)
-            self._asked.move_to_end((index, points))
-            return self._asked[index, points]
+            self._asked.move_to_end(key)
+            return self._asked[key]
 
     def _compute(self, index: int, points: Points) -> Array:
         """Go on from the last frame whose particles are known, or from where the oldest particle was released."""

@@ -4,6 +4,7 @@ import contextlib
 import functools
 import math
 import shlex
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -28,7 +29,7 @@ from ..stage import Stage
 from ..timeline import Playback
 from .change import History, addressed, brief, changed, settings
 from .sliders import Sliders
-from .worker import BEGUN, LONG, Found, Worker, received
+from .worker import BEGUN, ENDED, LONG, Found, Worker, received
 
 GHOST = Look("/pinned", (140, 146, 156), "circle", 3.0, -0.005)
 """How the pinned result's wing looks, behind the other's."""
@@ -60,12 +61,14 @@ class ExploreSession(Session):
         self.base, self._worker, self._pool = run, worker, pool
         self._history = History(case)
         self._wishes: dict[int, tuple[Case, str]] = {}
+        self._wishing = threading.Lock()
         self.pinned = run
         self._closed = False
         self._looked, self._asked = 0.0, math.inf
         self._second = NO_MODEL
         super().__init__(client, [run], opening([run]), Fields(run, pool))
-        self._place, self._beside_place = worker.enlist(self._arrive), worker.enlist(self._arrive)
+        self._place = worker.enlist(functools.partial(self._arrive, what="run"))
+        self._beside_place = worker.enlist(functools.partial(self._arrive, what="pin"))
         with client.atomic():
             self._add_controls()
             self._tell()
@@ -204,12 +207,14 @@ class ExploreSession(Session):
         self._tell_address()
 
     def _ask(self, case: Case, what: str) -> None:
+        place = self._place if what == "run" else self._beside_place
         try:
-            place = self._place if what == "run" else self._beside_place
-            self._wishes[self._worker.ask(place, case)] = case, what
-            self._asked = time.monotonic()
+            # The answer may come at once.
+            with self._wishing:
+                self._wishes[self._worker.ask(place, case)] = case, what
         except OSError:
-            self._message.content = notice("The solver process has ended; restart explore.")
+            self._message.content = notice(ENDED)
+        self._asked = time.monotonic()
 
     def _undo(self) -> None:
         self._go_to(self._history.undo())
@@ -263,12 +268,13 @@ class ExploreSession(Session):
 
     # What comes of it.
 
-    def _arrive(self, number: int, found: Found, reason: str, seconds: float) -> None:
+    def _arrive(self, number: int, found: Found, reason: str, seconds: float, *, what: str) -> None:
         """Show a result; called from the worker's listener."""
-        case, what = self._wishes.get(number, (self.case, ""))
         begun = reason == BEGUN
-        for old in [one for one, (_, kind) in self._wishes.items() if one < number + (not begun) and kind == what]:
-            self._wishes.pop(old)
+        with self._wishing:
+            case, _ = self._wishes.get(number, (self.case, what))
+            for old in [one for one, (_, kind) in self._wishes.items() if one < number + (not begun) and kind == what]:
+                self._wishes.pop(old)
         with contextlib.suppress(RuntimeError):
             if found is None:
                 if reason:

@@ -15,7 +15,7 @@ from ..frames import Run
 from ..server import Server, ViewError, announce
 from .change import brief
 from .session import ExploreSession
-from .worker import BEGUN, Found, Worker, received
+from .worker import BEGUN, ENDED, Found, Worker, received
 
 
 class Explorer(Server):
@@ -71,10 +71,11 @@ class Explorer(Server):
         place = self.worker.enlist(answer)
         self.worker.ask(place, self.case)
         while not there.wait(0.2):
-            if not self.worker.alive:
-                raise ViewError("the solver process has ended; run taichiflap simulate to see why")
+            pass
         self.worker.release(place)
         found, reason = answers[0]
+        if reason == ENDED:
+            raise ViewError("the solver process has ended; run taichiflap simulate to see why")
         if found is None:
             raise ViewError(reason)
         return Run(received(found), "pinned")

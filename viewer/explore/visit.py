@@ -1,5 +1,6 @@
 """One browser of a result, which can switch to exploring the case of that result and back."""
 
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -37,6 +38,7 @@ class Visit:
         self.client, self.runs, self.fields = client, runs, fields
         self._worker, self._pool = worker, pool
         self._explored: ExploreSession | None = None
+        self._turning, self._closed = threading.Lock(), False
         self._result = self._show_result(opening(runs))
 
     @property
@@ -65,8 +67,10 @@ class Visit:
 
     def close(self) -> None:
         """Release the resources of this browser."""
-        if self._explored:
-            self._explored.close()
+        with self._turning:
+            self._closed = True
+            if self._explored:
+                self._explored.close()
 
     @staticmethod
     def may_explore(runs: Sequence[Run]) -> bool:
@@ -81,8 +85,14 @@ class Visit:
             visible=self.may_explore(self.runs),
             hint="change the case with sliders, and see the result at once",
         )
-        self._door.on_click(lambda _: self._explore())
+        self._door.on_click(lambda _: self._turn(self._explore))
         return shown
+
+    def _turn(self, way: Callable[[], None]) -> None:
+        """Go one way, once for all clicks on its button, unless the browser has left."""
+        with self._turning:
+            if not self._closed and (self._explored is None) == (way == self._explore):
+                way()
 
     def _explore(self) -> None:
         run, dark = self.runs[0], self._result.playback.dark
@@ -93,12 +103,11 @@ class Visit:
             self.client.gui.reset()
             self.client.scene.reset()
             self._explored = ExploreSession(self.client, case, COMMAND, run, worker, self._pool)
-            self.client.gui.add_button(BACK, order=-20.0).on_click(lambda _: self._return())
+            self.client.gui.add_button(BACK, order=-20.0).on_click(lambda _: self._turn(self._return))
         self._explored.start(replace(self._explored.playback, dark=dark))
 
     def _return(self) -> None:
-        if self._explored is None:
-            return
+        assert self._explored is not None
         playback = replace(self._result.playback, dark=self._explored.playback.dark)
         left, self._explored = self._explored, None
         left.close()

@@ -13,6 +13,7 @@ import signal
 import tempfile
 import threading
 import time
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,7 @@ FIRST_PACE = 3e-9
 """Time of a pair interaction, s, by which the first run of a model is judged."""
 BEGUN = "begun"
 """Reason text of a file that is still being written."""
+ENDED = "The solver process has ended; restart the viewer."
 
 Found = Path | Result | None
 """The file of a result; a short one itself, through the pipe from our own process."""
@@ -67,6 +69,10 @@ class Worker:
         self._free = list(range(PLACES))
         self._answers: dict[int, Answer] = {}
         self._lock = threading.Lock()
+        # The newest request of each browser, until it is sent: a process that compiles does not read its pipe.
+        self._requests: dict[int, tuple[int, dict[str, Any]]] = {}
+        self._news = threading.Condition(self._lock)
+        self._closing = False
         self.ready = threading.Event()
         self._process = context.Process(
             target=_work, args=(other, self._wanted, self._folder.name, threads, case.to_dict()), daemon=True
@@ -75,6 +81,8 @@ class Worker:
         other.close()
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
+        self._sender = threading.Thread(target=self._send, daemon=True)
+        self._sender.start()
 
     def enlist(self, answer: Answer) -> int:
         """Register a browser."""
@@ -96,10 +104,13 @@ class Worker:
         Raises:
             OSError: if the process has ended.
         """
-        with self._lock:
+        if not self.alive:
+            raise OSError(ENDED)
+        with self._news:
             number = next(self._numbers)
             self._wanted[place] = number
-            self._pipe.send((place, number, case.to_dict()))
+            self._requests[place] = number, case.to_dict()
+            self._news.notify()
             return number
 
     @property
@@ -109,11 +120,28 @@ class Worker:
 
     def close(self) -> None:
         """End the process."""
+        with self._news:
+            self._closing = True
+            self._news.notify()
         self._process.terminate()
         self._process.join()
+        self._sender.join()
         self._pipe.close()
         self._listener.join()
         self._folder.cleanup()
+
+    def _send(self) -> None:
+        while True:
+            with self._news:
+                self._news.wait_for(lambda: self._requests or self._closing)
+                if self._closing:
+                    return
+                place = next(iter(self._requests))
+                number, document = self._requests.pop(place)
+            try:
+                self._pipe.send((place, number, document))
+            except OSError:
+                return
 
     def _listen(self) -> None:
         while True:
@@ -127,10 +155,22 @@ class Worker:
             with self._lock:
                 answer = self._answers.get(place)
             if answer:
-                answer(number, found, reason, seconds)
+                self._tell(answer, number, found, reason, seconds)
             elif isinstance(found, Path) and reason != BEGUN:
                 found.unlink(missing_ok=True)
         self.ready.set()
+        with self._lock:
+            left = [] if self._closing else list(self._answers.values())
+        for answer in left:
+            self._tell(answer, next(self._numbers), None, ENDED, 0.0)
+
+    @staticmethod
+    def _tell(answer: Answer, *found: Any) -> None:
+        """Call a browser's function, whose errors are not those of the others."""
+        try:
+            answer(*found)
+        except Exception:
+            traceback.print_exc()
 
 
 def received(found: Path | Result) -> Result:
@@ -175,7 +215,7 @@ class _Desk:
 
     def serve(self) -> None:
         """Compute requests until the parent process ends."""
-        with contextlib.suppress(EOFError):
+        with contextlib.suppress(EOFError, ConnectionError):
             while True:
                 self._hear(wait=not self._wishes)
                 self._compute_next()
@@ -222,6 +262,9 @@ class _Desk:
             reason = ""
         except (UserError, OSError, ValueError, RuntimeError) as error:
             reason = str(error) or type(error).__name__
+        except Exception as error:
+            # One case never ends the process that computes for all browsers.
+            reason = f"{type(error).__name__}: {error}"
         else:
             taken = time.perf_counter() - began - others
             # The fastest run so far: others were compiled, or shared the processors.

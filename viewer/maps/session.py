@@ -120,7 +120,7 @@ class MapSession:
                 ("Colour", "colour", sheet.metrics),
             ):
                 self._add_dropdown(title, of, grouped(names, sheet))
-            self._fixed = [self._add_held(axis) for axis in sheet.design.axes]
+            self._fixed = [self._add_held(axis) for axis in sheet.design.axes if sheet.design.grid]
             self._dark_box = gui.add_checkbox("Dark", self._dark)
             self._dark_box.on_update(lambda event: self._try(self._darken, bool(event.target.value)))
             self._legend = gui.add_html("")
@@ -140,13 +140,15 @@ class MapSession:
             self._try(self._choose, {of: names[event.target.value]})
 
     def _add_held(self, axis: Any) -> tuple[str, Any]:
+        names = list(map(str, axis.values))
+        chosen = names[self.choice.fixed.get(axis.key, 0)]
         handle = self.client.gui.add_dropdown(
-            axis.key, tuple(map(str, dict.fromkeys(axis.values))), initial_value=str(axis.values[0]), visible=False
+            axis.key, tuple(dict.fromkeys(names)), initial_value=chosen, visible=False
         )
 
         @handle.on_update
         def _(event: Any) -> None:
-            place = list(map(str, axis.values)).index(event.target.value)
+            place = names.index(event.target.value)
             self._try(self._choose, {"fixed": dict(self.choice.fixed) | {axis.key: place}})
 
         return axis.key, handle
