@@ -9,7 +9,7 @@ ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "theory" / "equations.md"
 LAST = 34
 """Number of the paper's last equation."""
-OTHERS = ("theory.py", "vortex/multipole.py", "published/", "validation/")
+OTHERS = ("theory/", "vortex/multipole.py", "published/", "validation/")
 """Modules whose equation numbers are of other papers, or that redo the paper as printed."""
 MENTION = re.compile(r"\bEqs?\.? (\d+(?:(?: ?- ?|, | and )\d+)*)")
 INTRODUCTION = """# Where is equation N?

@@ -1,5 +1,4 @@
-"""The paper's lattice for a rigid wing in NumPy, which can take Eq. 32 literally; otherwise it agrees with the "
-"solver."""
+"""The paper's lattice for a rigid wing in NumPy: with Eq. 32 taken literally, or as the solver has it."""
 
 import math
 from dataclasses import dataclass

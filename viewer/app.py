@@ -1,6 +1,6 @@
 """The viewer of results: opens files and gives every browser a session."""
 
-import os
+import contextlib
 import threading
 import time
 import uuid
@@ -164,11 +164,19 @@ def _open(path: Path) -> Result:
             problem = error
         begun = path if path.name.endswith(PART) else part(path)
         final = path.with_name(path.name.removesuffix(PART))
-        if not os.path.exists(begun) and final != path and os.path.exists(final):
+        age = _age(begun)
+        if age is None and final != path and _age(final) is not None:
             path = final
-        elif not os.path.exists(begun) or time.time() - begun.stat().st_mtime > BEGIN_SECONDS:
+        elif age is None or age > BEGIN_SECONDS:
             raise problem
         time.sleep(0.1)
+
+
+def _age(path: Path) -> float | None:
+    """Time since a file's last change, s; None without one, which may be renamed at any moment."""
+    with contextlib.suppress(OSError, ValueError):
+        return time.time() - path.stat().st_mtime
+    return None
 
 
 def _labels(paths: Sequence[Path]) -> list[str]:

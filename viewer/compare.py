@@ -13,6 +13,7 @@ from .frames import Run
 
 RESOLVED = 0.05
 """Standard errors below this, in percent, are not shown."""
+WHOLE_BEAT = "differences need one whole beat in both results"
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ def text(first: Run, second: Run) -> Iterator[str]:
     yield f"B = {second.label}: {second.title}"
     found = differences(first, second)
     if not found:
-        yield "differences need one whole beat in both results"
+        yield WHOLE_BEAT
         return
     yield f"{'':<28}{'A':>10}{'B':>10}  {'B against A'}"
     for one in found:
@@ -105,6 +106,7 @@ def table(first: Run, second: Run, colours: Sequence[str] = RUNS, heads: tuple[s
         f"<td>{one.first:.3g}</td><td>{one.second:.3g}</td><td style='white-space:nowrap'>{one.change}</td></tr>"
         for one in differences(first, second)
     )
+    rows = rows or f"<tr><td colspan=4>{WHOLE_BEAT.capitalize()}.</td></tr>"
     named = "".join(
         f'<th style="color:{colour};text-align:left">{escape(head)}</th>'
         for head, colour in zip(heads or (first.label, second.label), colours, strict=True)

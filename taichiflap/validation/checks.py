@@ -97,8 +97,13 @@ class Check:
 
 @dataclass(frozen=True)
 class History:
-    """History of one case: time steps, forces (step, 4) in the order of `taichiflap.march.state`, and modal "
-    "amplitudes."""
+    """History of one case.
+
+    Attributes:
+        step: numbers of the time steps.
+        force: shape (step, 4), in the order of `taichiflap.march.state`.
+        amplitude: of each mode, shape (step, mode).
+    """
 
     step: NDArray[np.int64]
     force: Array

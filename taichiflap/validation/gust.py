@@ -40,8 +40,7 @@ def entering(solver: str) -> Case:
 
 
 def entered(solver: str, places: Sequence[float] = HALF_CHORDS) -> Array:
-    """Fraction of the steady lift at several distances (half-chords) after the leading edge meets a sharp-edged "
-    "gust."""
+    """Fraction of the steady lift at several distances (half-chords) after the leading edge meets a sharp edge."""
     history = run([entering(solver)])[0]
     return np.interp(places, 2.0 * (TRAVEL * history.step - AHEAD), history.force[:, NORMAL] / (math.pi * SMALL))
 

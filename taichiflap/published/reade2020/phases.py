@@ -1,5 +1,4 @@
-"""Verdicts on phases and third harmonics, and the search for a single DBET setting that agrees with all of the "
-"paper."""
+"""Verdicts on phases and third harmonics, and the search for one DBET setting that agrees with all of the paper."""
 
 import math
 from collections.abc import Iterator
