@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...case.case import Case
+from ...kernels.held import held
 from ...kernels.runtime import Octet, View, ti, view
 from ...march.state import BEFORE, BETA
 from ...march.stream import carry_gust
@@ -22,6 +23,7 @@ from .arrays import (
     FLUX,
     FRICTION,
     GRADIENT,
+    HELD,
     INVERSE,
     LENGTH,
     NU,
@@ -107,13 +109,13 @@ def unmapped(case: Case, modes: Modes, q: Any, step: int) -> str:
 @ti.func
 def prepare(batch: View, b, n, rule, used: View):
     """Modal force of the coming step `n`."""
-    advance(batch.body, batch.flow, b, n, rule, used)
+    advance(batch.body, ti.static(held(batch.flow, *HELD)), b, n, rule, used)
 
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
     """Complete step `n` with the known modal acceleration."""
-    complete(batch.body, batch.flow, b, n, used)
+    complete(batch.body, ti.static(held(batch.flow, *HELD)), b, n, used)
 
 
 @ti.func
