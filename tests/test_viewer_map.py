@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from conftest import hawkmoth
-from taichiflap_viewer.maps.picture import Choice, held, opening, profiles, read
+from taichiflap_viewer.maps.picture import Choice, Profile, held, opening, profiles, read
+from taichiflap_viewer.maps.profiles import _ends
 from taichiflap_viewer.maps.viewer import MapViewer
 
 from taichiflap.maps import file as maps
@@ -187,3 +188,8 @@ def test_a_case_for_which_the_model_does_not_hold_has_no_colour():
     assert list(np.isnan(picture.values)) == list(picture.broken) == [True, True, False, False]
     assert list(picture.bent) == [True, True, True, False]
     assert [list(front) for front in picture.fronts] == [[2]]
+
+
+def test_a_profile_over_a_single_value_has_a_range():
+    for places, ends in (([20.0], (10.0, 30.0)), ([0.0], (-0.5, 0.5)), ([1.0, 4.0], (1.0, 4.0))):
+        assert _ends(Profile("key", False, np.array(places), np.array(places))) == ends

@@ -73,4 +73,7 @@ def _known(profile: Profile) -> tuple[Array, Array]:
 
 
 def _ends(profile: Profile) -> tuple[float, float]:
-    return float(profile.places.min()), float(profile.places.max())
+    """Ends of the axis of a key; those of a single value lie around it, since uPlot fails without a range."""
+    low, high = float(profile.places.min()), float(profile.places.max())
+    spare = 0.5 * (abs(low) or 1.0) if low == high else 0.0
+    return low - spare, high + spare
