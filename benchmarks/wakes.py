@@ -33,7 +33,7 @@ WAYS = {
 }
 LARGEST = {"direct, two vortices a step": 12_800}
 """Vortices up to which a way is clocked, if not up to the last of `SIZES`."""
-CROSSOVER = (1200, 1700, 2400, 3400, 4800)
+CROSSOVER = (1700, 2400, 3400, 4800)
 """Vortices between which the tree becomes faster than the pair sums."""
 SECONDS = 0.2
 """About so long is a clocking, where one step is not longer."""
@@ -95,9 +95,9 @@ def crossover(limit: float) -> Iterator[Row]:
     least, long_wake.FAR = long_wake.FAR, CROSSOVER[0]
     try:
         for size in CROSSOVER:
-            steps = max(1, math.ceil(SECONDS * limit / size**2))
+            steps = max(1, math.ceil(0.5 * SECONDS * limit / size**2))
             works = {name: functools.partial(_laid, size, steps, WAYS[name]) for name in taken}
-            for name, clocked in alternate(works, 3).items():
+            for name, clocked in alternate(works, 2).items():
                 taken[name][size] = clocked.cpu / steps
     finally:
         long_wake.FAR = least
