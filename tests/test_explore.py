@@ -160,7 +160,7 @@ def test_a_process_that_does_not_read_holds_nobody_up_and_one_that_ends_says_so(
         os.kill(shared._process.pid, signal.SIGCONT)
         assert browser.wait(numbers[-1])[1] == ""
         shared._process.kill()
-        until(lambda: (None, ENDED, 0.0) in browser.heard.values())
+        until(lambda: (None, ENDED, 0.0) in list(browser.heard.values()))
         with pytest.raises(OSError, match="has ended"):
             browser.ask(case)
     finally:

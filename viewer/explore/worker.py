@@ -72,7 +72,7 @@ class Worker:
         # The newest request of each browser, until it is sent: a process that compiles does not read its pipe.
         self._requests: dict[int, tuple[int, dict[str, Any]]] = {}
         self._news = threading.Condition(self._lock)
-        self._closing = False
+        self._closing = self._over = False
         self.ready = threading.Event()
         self._process = context.Process(
             target=_work, args=(other, self._wanted, self._folder.name, threads, case.to_dict()), daemon=True
@@ -116,7 +116,8 @@ class Worker:
     @property
     def alive(self) -> bool:
         """Whether the process is running."""
-        return self._process.is_alive()
+        # A process that has been killed closes its pipe a moment before it is gone.
+        return not self._over and self._process.is_alive()
 
     def close(self) -> None:
         """End the process."""
@@ -160,6 +161,7 @@ class Worker:
                 found.unlink(missing_ok=True)
         self.ready.set()
         with self._lock:
+            self._over = True
             left = [] if self._closing else list(self._answers.values())
         for answer in left:
             self._tell(answer, next(self._numbers), None, ENDED, 0.0)
