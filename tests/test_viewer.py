@@ -645,6 +645,11 @@ def test_any_two_results_are_compared(kinds, capfd):
                 shown = viewer.sessions[0].session.charts
                 for one in shown.quantities:
                     assert len(shown._data(one, 0)) == len(shown._series(one)), (pair, one)
+                # The ramp of 0.1 s has no period: its charts are over ms, those of the others over beats.
+                last, label = shown._data(one, 0)[0][-1], shown._series(one)[0]["label"]
+                assert (round(last, 6), label) == (
+                    (100.0, "t, ms") if pair[0] == "viscous" else (viewer.runs[0].beats, "t/T")
+                ), pair
                 disabled = {name for name, box in viewer.sessions[0].session.panel.layers.items() if box.disabled}
                 assert ("wake" in disabled, "sheets" in disabled) == (
                     not {"uvlm", "sheds"} & {*pair}, "sheds" not in pair,

@@ -69,8 +69,9 @@
   // A click on a chart over time seeks.
   addEventListener("click", (event) => {
     const [chart, over] = chartUnder(event);
-    if (!chart || !run || chart.series[0].label !== "t/T") return;
-    send("beats", chart.posToVal(event.clientX - over.getBoundingClientRect().left, "x"));
+    const beat = chart && run && { "t/T": 1, "t, ms": run.milliseconds }[chart.series[0].label];
+    if (!beat) return;
+    send("beats", chart.posToVal(event.clientX - over.getBoundingClientRect().left, "x") / beat);
   }, true);
 
   addEventListener("DOMContentLoaded", () => {

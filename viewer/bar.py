@@ -47,7 +47,7 @@ class Bar:
         curve = np.clip((np.nan_to_num(values, nan=low) - low) / max(high - low, 1e-300), 0.0, 1.0)
         reversals = run.reversals()
         told = {
-            "frames": run.frames, "perBeat": run.frames_per_beat,
+            "frames": run.frames, "perBeat": run.frames_per_beat, "milliseconds": 1e3 * run.case.beat,
             "periodic": run.case.periodic, "speeds": list(SPEEDS), "loops": list(LOOPS),
             "curve": np.round(curve, 3).tolist(),
             "reversals": reversals if len(reversals) <= MOST_REVERSALS else [],

@@ -129,7 +129,8 @@ class Charts:
         self.quantities = self._chosen(playback)
         self._window: tuple[int, int] | None = None
         self._curves: dict[str, list[Array]] = {}
-        self._times: Array = np.zeros(0)
+        self._times: Array = np.zeros(0)  # in beats, and as shown in beats, or in ms without a period
+        self._scale = 1.0 if runs[0].case.periodic else 1e3 * runs[0].case.beat
         self._nudge = 0.0
         self._load(playback)
         self.handles: dict[str, Any] = {}
@@ -240,7 +241,7 @@ class Charts:
             nearest = int(np.argmin(np.abs(self._times - now)))
             for dot, curve in zip(dots, curves, strict=True):
                 dot[nearest] = curve[nearest]
-        times = self._times.copy()
+        times = self._scale * self._times
         times[-1:] += self._nudge * (times[-1:] - times[:1])
         return (times, *curves, *dots)
 
@@ -258,7 +259,7 @@ class Charts:
         dots = [
             {"stroke": colour, "points": {"show": True, "size": 9, "fill": colour}, "auto": False} for colour in colours
         ]
-        return ({"label": "t/T"}, *lines, *dots)
+        return ({"label": "t/T" if self.runs[0].case.periodic else "t, ms"}, *lines, *dots)
 
 
 def _drawable(curve: Array) -> Array | list[float | None]:
@@ -270,8 +271,7 @@ def _drawable(curve: Array) -> Array | list[float | None]:
 
 def caption(runs: list[Run]) -> str:
     """Legend of the charts, as HTML."""
-    axis = "time in beats" if runs[0].case.periodic else "time as a share of the run"
-    text = f"Horizontal axis: {axis}. The dot marks the current frame."
+    text = f"Horizontal axis: time in {'beats' if runs[0].case.periodic else 'ms'}. The dot marks the current frame."
     if len(runs) > 1:
         names = " ".join(
             f'<b style="color:{colour}">{escape(run.label)}</b>' for run, colour in zip(runs, RUNS, strict=False)
