@@ -129,8 +129,9 @@ class Charts:
         self.quantities = self._chosen(playback)
         self._window: tuple[int, int] | None = None
         self._curves: dict[str, list[Array]] = {}
-        self._times: Array = np.zeros(0)  # in beats, and as shown in beats, or in ms without a period
-        self._scale = 1.0 if runs[0].case.periodic else 1e3 * runs[0].case.beat
+        self._times: Array = np.zeros(0)  # beats
+        # A page keeps the label of its axis, whatever run follows.
+        self._milliseconds = not runs[0].case.periodic
         self._nudge = 0.0
         self._load(playback)
         self.handles: dict[str, Any] = {}
@@ -241,7 +242,7 @@ class Charts:
             nearest = int(np.argmin(np.abs(self._times - now)))
             for dot, curve in zip(dots, curves, strict=True):
                 dot[nearest] = curve[nearest]
-        times = self._scale * self._times
+        times = self._times * (1e3 * self.runs[0].case.beat if self._milliseconds else 1.0)
         times[-1:] += self._nudge * (times[-1:] - times[:1])
         return (times, *curves, *dots)
 
@@ -259,7 +260,7 @@ class Charts:
         dots = [
             {"stroke": colour, "points": {"show": True, "size": 9, "fill": colour}, "auto": False} for colour in colours
         ]
-        return ({"label": "t/T" if self.runs[0].case.periodic else "t, ms"}, *lines, *dots)
+        return ({"label": "t, ms" if self._milliseconds else "t/T"}, *lines, *dots)
 
 
 def _drawable(curve: Array) -> Array | list[float | None]:
