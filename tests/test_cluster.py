@@ -23,8 +23,8 @@ pytestmark = pytest.mark.slow
 VARY = {"wing.youngs_modulus": "1e10:4e10:12"}
 STUDY = """
 import taichiflap
-from taichiflap.studies import batch
-batch.BATCH_BYTES = 1  # a batch a case
+from taichiflap.studies import batch, sweep
+batch.BATCH_BYTES, sweep.WRITTEN_EVERY = 1, 0.0  # a batch a case, written at once
 
 if __name__ == "__main__":
     case = taichiflap.load_case({case!r}, ["time.periods=3", "uvlm.panels=20"])
