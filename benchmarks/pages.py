@@ -7,10 +7,13 @@ from taichiflap.pages import Block, Figure, Heading, Paragraph, Table
 from .accuracy import CYCLES, HALF_SPAN_PANELS, SECTION, Point
 from .rows import Row
 
+RATIOS = ("x", "%")
+"""Units of ratios, which stand first: they hold on other machines as well."""
+
 ABOUT = """\
 Medians of several repeats that alternate within one run. Rows "in processor time" count the time that all \
 threads use, and are independent of other load. Rows "on the wall" are elapsed times at the load stated below. \
-`make bench` writes this page."""
+Ratios come first. `make bench` writes this page."""
 
 ACCURACY = f"""\
 A rigid plate plunges at k = 0.5 in a stream. The lift of the last of {CYCLES} periods is compared with \
@@ -29,7 +32,8 @@ def benchmarks(rows: Iterable[Row], machine: Mapping[str, str]) -> list[Block]:
     lines = list(rows)
     blocks: list[Block] = [Heading(1, "Benchmarks"), Paragraph(ABOUT), Figure("sizes", "Time against size")]
     for section in dict.fromkeys(row.section for row in lines):
-        blocks += [Heading(2, section), _table(row for row in lines if row.section == section)]
+        here = [row for row in lines if row.section == section]
+        blocks += [Heading(2, section), _table(sorted(here, key=lambda row: row.unit not in RATIOS))]
     return [*blocks, *_machine(machine)]
 
 
