@@ -1,7 +1,6 @@
 """Explore: from a key press on a slider to the wing's new picture in a browser, and ten browsers that drag at once."""
 
 import contextlib
-import shutil
 import statistics
 import threading
 import time
@@ -16,7 +15,7 @@ from taichiflap_viewer.explore.viewer import Explorer
 from taichiflap.case.shipped import FOLDER
 
 from .browsers import browsers
-from .picture import FLAGS
+from .chromium import MISSING, browser
 from .rows import Row
 
 SECTION = "Explore"
@@ -63,19 +62,14 @@ def rows() -> Iterator[Row]:
 
 def latency(path: Path) -> tuple[list[float], str]:
     """Milliseconds of some key presses; none, and why, where there is no browser."""
-    chromium = shutil.which("chromium")
-    try:
-        from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not everyone has it
-    except ImportError:
-        chromium = None
-    if chromium is None:
-        return [], "there is no chromium, or no playwright"
     taken = []
     with contextlib.ExitStack() as stack:
+        opened = stack.enter_context(browser())
+        if opened is None:
+            return [], MISSING
         explorer = Explorer(path)
         stack.callback(explorer.stop)
-        browser = stack.enter_context(sync_playwright()).chromium.launch(executable_path=chromium, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page = opened.new_page(viewport={"width": 1280, "height": 720})
         page.goto(explorer.address)
         page.wait_for_function("() => window.__viserSceneTree && window.__viserSceneTree.getState()['/wing']")
         page.get_by_role("button", name="Pause").click()
@@ -88,7 +82,6 @@ def latency(path: Path) -> tuple[list[float], str]:
             page.wait_for_timeout(300)
             if number:
                 taken.append(milliseconds)
-        browser.close()
     return taken, ""
 
 

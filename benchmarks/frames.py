@@ -1,7 +1,6 @@
 """How many pictures a second a page draws while it plays stored Navier-Stokes frames, in a real browser."""
 
 import contextlib
-import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +8,7 @@ from pathlib import Path
 from taichiflap_viewer import Viewer
 from taichiflap_viewer.timeline import ALL, LAST_BEAT
 
-from .picture import FLAGS
+from .chromium import MISSING, browser
 from .rows import Row
 
 SECTION = "Navier-Stokes in the browser"
@@ -43,20 +42,14 @@ watch();
 
 def rows(path: Path) -> Iterator[Row]:
     """One page that plays a result; the first seconds, in which pictures are prepared, do not count."""
-    chromium = shutil.which("chromium")
-    try:
-        from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not everyone has it
-    except ImportError:
-        chromium = None
-    if chromium is None:
-        yield Row(SECTION, LOOPS[LAST_BEAT], None, "1/s", 20.0, True, "there is no chromium, or no playwright")
-        return
     with contextlib.ExitStack() as stack:
+        opened = stack.enter_context(browser())
+        if opened is None:
+            yield Row(SECTION, LOOPS[LAST_BEAT], None, "1/s", 20.0, True, MISSING)
+            return
         viewer = Viewer([path])
         stack.callback(viewer.stop)
-        browser = stack.enter_context(sync_playwright()).chromium.launch(executable_path=chromium, args=FLAGS)
-        stack.callback(browser.close)
-        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page = opened.new_page(viewport={"width": 1280, "height": 720})
         page.add_init_script(WATCH)
         page.goto(viewer.address)
         page.wait_for_function("() => window.__flow.pictures > 0", timeout=60e3)

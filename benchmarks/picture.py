@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import shutil
 import statistics
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,14 +11,11 @@ import numpy as np
 import viser
 from taichiflap_viewer import Viewer
 
+from .chromium import MISSING, browser
 from .rows import Row
 
 SECTION = "The first picture"
 TIMES = 7
-FLAGS = [
-    *("--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic"),
-    *("--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
-]
 
 # Looks at what every turn of the page's renderer has drawn; `performance.now` counts from the navigation's start.
 WATCH = """
@@ -42,16 +38,12 @@ watch();
 
 def rows(path: Path) -> Iterator[Row]:
     """A page of the viewer beside one of viser with a line and some points, by turns; the first turn does not count."""
-    chromium = shutil.which("chromium")
-    try:
-        from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not everyone has it
-    except ImportError:
-        chromium = None
     name = "from the start of the navigation to wing and wake"
-    if chromium is None:
-        yield Row(SECTION, name, None, "s", 2.0, False, "there is no chromium, or no playwright")
-        return
     with contextlib.ExitStack() as stack:
+        opened = stack.enter_context(browser())
+        if opened is None:
+            yield Row(SECTION, name, None, "s", 2.0, False, MISSING)
+            return
         viewer = Viewer([path])
         stack.callback(viewer.stop)
         with contextlib.redirect_stdout(io.StringIO()):
@@ -60,20 +52,18 @@ def rows(path: Path) -> Iterator[Row]:
         line, colour = np.array([[[0, 0, 0], [1, 0, 0]]], dtype=np.float32), (0, 0, 0)
         bare.scene.add_line_segments("/line", line, colour)
         bare.scene.add_point_cloud("/points", line[0], colour)
-        browser = stack.enter_context(sync_playwright()).chromium.launch(executable_path=chromium, args=FLAGS)
         addresses = {"ours": viewer.address, "bare": f"http://127.0.0.1:{bare.get_port()}"}
         taken: dict[str, list[float]] = {one: [] for one in addresses}
         for _ in range(TIMES + 1):
             for one, address in addresses.items():
-                taken[one].append(_seconds(browser, address))
-        browser.close()
+                taken[one].append(_seconds(opened, address))
     ours, alone = (statistics.median(seconds[1:]) for seconds in taken.values())
     note = f"of these, {alone:.2f} s for a page of viser that draws one line and two points"
     yield Row(SECTION, name, ours, "s", 2.0, False, note)
 
 
-def _seconds(browser: Any, address: str) -> float:
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
+def _seconds(opened: Any, address: str) -> float:
+    context = opened.new_context(viewport={"width": 1280, "height": 720})
     context.add_init_script(WATCH)
     page = context.new_page()
     page.goto(address)
