@@ -40,7 +40,7 @@ class Bar:
 
     def tell(self, run: Run) -> None:
         """Send the run's properties; repeated when it grows or changes."""
-        name = "lift" if any(run.case.fluid.velocity) else "force_vertical"
+        name = "lift" if run.case.fluid.streams else "force_vertical"
         _, values = run.curve(name, 0, run.steps - 1, POINTS)
         known = values[np.isfinite(values)]
         low, high = np.percentile(known, (OUTLYING, 100.0 - OUTLYING)) if len(known) else (0.0, 1.0)

@@ -65,7 +65,7 @@ def quantities(runs: list[Run]) -> list[Quantity]:
         plunges = any(run.path is not None for run in runs)
         degrees = 180.0 / math.pi
         first = Quantity("plunge", "Plunge", metres, length) if plunges else Quantity("pitch", "Pitch", "deg", degrees)
-    shown = IN_STREAM if all(any(run.case.fluid.velocity) for run in runs) else FORCES
+    shown = IN_STREAM if all(run.case.fluid.streams for run in runs) else FORCES
     found = [
         first,
         *(Quantity(name, title, newtons, force) for name, title in shown),

@@ -118,7 +118,7 @@ def extent(result: Result, indices: Sequence[int] | NDArray[np.intp], frame: str
         nodes = result.frame("node_position", int(indices[one]))
         wings.append(stand.places(nodes[:, 0], nodes[:, 1]))
     wing = np.concatenate(wings)
-    far = result.case.wing.chord * (FAR_IN_STREAM if any(result.case.fluid.velocity) else FAR)
+    far = result.case.wing.chord * (FAR_IN_STREAM if result.case.fluid.streams else FAR)
     low, high = wing.min(axis=0) - far, wing.max(axis=0) + far
     box = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
     shape = shape_of(box, COARSE)

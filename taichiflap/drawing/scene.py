@@ -175,7 +175,7 @@ def bounds(frames: list[Frame], case: Case, flow: tuple[float, float, float, flo
     shown = [f.wing for f in frames] + [(f.foot + f.force * REACH * chord / force)[None, :] for f in frames]
     wings = np.concatenate(shown)
     wake = np.concatenate([f.wake for f in frames])
-    far = chord * (FAR_IN_STREAM if any(case.fluid.velocity) else FAR)
+    far = chord * (FAR_IN_STREAM if case.fluid.streams else FAR)
     near = ((wake > wings.min(axis=0) - far) & (wake < wings.max(axis=0) + far)).all(axis=1)
     wake, circulation = wake[near], np.concatenate([f.circulation for f in frames])[near]
     # From the last beat, since vortices that have absorbed others are many times as strong as new ones.

@@ -96,7 +96,7 @@ def curves(result: Result) -> list[str]:
         beat = scene.last_steps(result)
     except UserError:
         return []
-    stream = any(result.case.fluid.velocity)
+    stream = result.case.fluid.streams
     force = (
         in_stream(result.case, result.force_y[beat], result.force_z[beat])[0] if stream else result.force_vertical[beat]
     )

@@ -137,7 +137,7 @@ def panels(results: Sequence[Result]) -> list[Panel]:
     cases = [result.case for result in results]
     moved = PLUNGE if any(np.ptp(result.plunge) for result in results) else PITCH
     first = DEFLECTION if any(case.wing.modes for case in cases) else moved
-    forces = (LIFT, THRUST) if all(any(case.fluid.velocity) for case in cases) else (NORMAL, VERTICAL)
+    forces = (LIFT, THRUST) if all(case.fluid.streams for case in cases) else (NORMAL, VERTICAL)
     return [first, *forces, POWER]
 
 

@@ -129,7 +129,7 @@ def _draw_path(ax: Any, case: Case, moved: Array) -> None:
     middle = 0.5 * (path.min(axis=0) + path.max(axis=0))
     half = 0.5 * max(np.ptp(path[:, 0]), np.ptp(path[:, 1]), chord)
     ends = middle + np.outer((-1.0, 1.0), half * np.array((math.cos(lean), math.sin(lean))))
-    if case.motion.measured or not any(case.fluid.velocity):
+    if case.motion.measured or not case.fluid.streams:
         ax.plot(*ends.T, ":", color=palette.LIGHT.ink, linewidth=0.8, zorder=1)
         ax.annotate("stroke plane", ends[1], (3, 0), textcoords="offset points", fontsize=7, va="center")
     corner = np.array((low[0] + 0.35 * chord, high[1]))

@@ -54,7 +54,7 @@ class Regime:
         frequency = case.motion.frequency or 0.0
         first = beam.modes(case.wing).frequency[:1]
         return cls(
-            hovers=not any(case.fluid.velocity),
+            hovers=not case.fluid.streams,
             bends=bool(first.size),
             reduced_frequency=reduced_frequency(case) or 0.0,
             stroke=float(np.ptp(moved[:, PLUNGE])) / chord,

@@ -57,7 +57,7 @@ def balance(case: Case) -> Balance:
         ValueError: if these sums do not apply to the case, or its wake does not conserve impulse.
     """
     span, kept = case.wing.span, case.uvlm.wake == "all" or case.uvlm.old_wake == "absorb"
-    if isinstance(span, tuple) or any(case.fluid.velocity) or not kept:
+    if isinstance(span, tuple) or case.fluid.streams or not kept:
         raise ValueError("the balance is that of a uniform span, in a fluid at rest, with all of its wake")
     march = March([case], fluids.load("uvlm"))
     impulse, load = [], []

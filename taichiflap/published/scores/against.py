@@ -190,7 +190,7 @@ def compare(
 
 def _possible(case: Case, trace: Trace) -> None:
     for quantity in trace.values:
-        if COEFFICIENTS.get(quantity, quantity) in ACROSS and not any(case.fluid.velocity):
+        if COEFFICIENTS.get(quantity, quantity) in ACROSS and not case.fluid.streams:
             raise ScoreError(f"{trace.path}: {quantity} needs a stream; in hover give force_vertical or C_V")
     if not case.periodic and trace.in_beats:
         raise ScoreError(f"{trace.path}: the motion does not repeat and has no beat; give time [s]")

@@ -46,7 +46,7 @@ class Trace:
         """
         case = result.case
         scale = replace(reference(case), speed=speed)
-        if any(case.fluid.velocity):
+        if case.fluid.streams:
             lift, thrust = in_stream(case, result.force_y, result.force_z)
             drag = -thrust
         else:
