@@ -157,13 +157,14 @@ def _run(
                 said = warnings.warnings(case)
                 again = resumed is not None
                 writers.append(Writer(case, path, said, overwrite, again) if path else Memory(case, said))
-            march = March(cases, fluid, threads, room=_block(cases, fluid, 0, FIRST_WORK)[0])
+            size = _step_bytes(cases, fluid)
+            march = March(cases, fluid, threads, room=_block(cases, fluid, 0, FIRST_WORK, size)[0])
             for writer, section, sample in zip(writers, march.sections, derive(march.advance(0)), strict=True):
                 writer.lay_out(fluid.nodes(writer.case), section, sample, _contents(fluid, writer.case))
         solve_time = _take_up(march, writers, resumed)
         most = FIRST_WORK
         while not march.done:
-            steps, work = _block(cases, fluid, march.next_step, most)
+            steps, work = _block(cases, fluid, march.next_step, most, size)
             began = time.perf_counter()
             blocks = march.advance(steps)
             seconds = time.perf_counter() - began
@@ -239,12 +240,19 @@ def _contents(fluid: Model, case: Case) -> Contents:
     return Contents(outputs, axes, fluid.totals(case), functools.partial(nearest.sentence, case))
 
 
-def _block(cases: Sequence[Case], fluid: Model, first: int, most: float) -> tuple[int, float]:
+def _step_bytes(cases: Sequence[Case], fluid: Model) -> float:
+    """Mean size of what is stored of a step of all cases."""
+    return sum(fluid.frame_bytes(case) / case.output.every + 8.0 * (4 + 4 * case.wing.modes) for case in cases)
+
+
+def _block(cases: Sequence[Case], fluid: Model, first: int, most: float, size: float) -> tuple[int, float]:
     """Number of steps from `first` to the next write, and their work, within `most` if possible.
 
     The number is halved until it fits, so that arrays of only a few sizes are allocated.
+
+    Args:
+        size: see `_step_bytes`.
     """
-    size = sum(fluid.frame_bytes(case) / case.output.every + 8.0 * (4 + 4 * case.wing.modes) for case in cases)
     steps = BLOCK_STEPS
     while True:
         # The wake grows, so the last step has the most work.
