@@ -22,7 +22,9 @@ START, OUTPUT = "Start", "Output"
 
 def command(*words: str, cache: str | None = None) -> tuple[Clocked, float]:
     """The whole command, the start of Python included, and the seconds of its solve."""
-    environment = {**os.environ, **({"TI_OFFLINE_CACHE_FILE_PATH": cache} if cache else {})}
+    # As a user starts it: modules are compiled once, by the first turn.
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment |= {"TI_OFFLINE_CACHE_FILE_PATH": cache} if cache else {}
     with tempfile.TemporaryDirectory() as folder:
         before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
         subprocess.run(

@@ -136,6 +136,9 @@ def preview(
     """Draw the wing's path, angle of attack and speeds over a beat, before running the case."""
     from .case.case import load_case
     from .commands.summary import motion_line
+    from .plots import undocumented
+
+    undocumented.skip()
     from .plots.preview import write
     from .run.warnings import warnings
 

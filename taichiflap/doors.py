@@ -1,9 +1,10 @@
 """Lazy imports: a package's public names are imported at first use, and old module names still work."""
 
+import contextlib
 import importlib
 import sys
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
@@ -35,6 +36,28 @@ def lazy(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
         return getattr(importlib.import_module(f".{homes[name]}", package), name)
 
     return fetch
+
+
+@contextlib.contextmanager
+def late(*names: str) -> Iterator[None]:
+    """Around the import of a library: modules that it imports without need are loaded when it uses them."""
+    waiting = {name: _Late(name) for name in names if name not in sys.modules}
+    sys.modules.update(waiting)
+    try:
+        yield
+    finally:
+        for name, stub in waiting.items():
+            del sys.modules[name]
+            home, _, own = name.rpartition(".")
+            if home in sys.modules:
+                setattr(sys.modules[home], own, stub)
+
+
+class _Late(ModuleType):
+    """Stands for a module until something of it is asked for."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(importlib.import_module(self.__name__), name)
 
 
 class Moved(MetaPathFinder, Loader):

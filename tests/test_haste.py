@@ -1,9 +1,11 @@
 """Patches that save time at the start of Taichi give the same results as Taichi's own code."""
 
 import inspect
+import sys
 
 import pytest
 
+from taichiflap import doors
 from taichiflap.fluids.dbet import added_mass, attached, elements, loads, separated
 from taichiflap.fluids.dbet import flow as dbet
 from taichiflap.fluids.uvlm import flow as uvlm
@@ -56,3 +58,12 @@ def test_a_kernel_in_a_class_is_told_from_one_in_a_function():
     assert Holder.inside
     assert not taichi_patches._inside_class(1)
     assert not taichi_patches._inside_class(100_000)
+
+
+def test_a_late_module_is_loaded_at_its_first_use(monkeypatch):
+    monkeypatch.delitem(sys.modules, "json.tool", raising=False)
+    with doors.late("json.tool"):
+        import json.tool  # noqa: PLC0415 - what is tested
+    assert "json.tool" not in sys.modules
+    assert callable(json.tool.main)
+    assert json.tool is sys.modules["json.tool"]

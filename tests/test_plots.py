@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from conftest import CASES, hawkmoth
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.quiver import QuiverKey
 from matplotlib.text import Text
+from PIL import Image
 
 import taichiflap
 from taichiflap import cli
@@ -20,8 +22,8 @@ from taichiflap.errors import UserError
 from taichiflap.metrics import summary as metrics
 from taichiflap.metrics import waves
 from taichiflap.metrics.beats import Beats
+from taichiflap.plots import formats, style
 from taichiflap.plots import result as plots
-from taichiflap.plots import style
 
 pytestmark = pytest.mark.slow
 
@@ -313,6 +315,17 @@ def test_colours_follow_the_values():
     assert palette.symmetric_limit([]) == palette.symmetric_limit([0.0]) == 1.0
     assert palette.symmetric_limit([-3.0, 0.1, 2.9]) == 3.0
     assert palette.symmetric_limit([0.01] * 99 + [5.0]) == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(("transparent", "mode"), [(False, "RGB"), (True, "RGBA")])
+def test_a_picture_has_no_transparency_unless_a_style_asks_for_it(transparent, mode, tmp_path):
+    figure = Figure((1.0, 0.5))
+    style = {"savefig.transparent": transparent}
+    (path,) = formats.write({"": figure}, tmp_path / "one", ("png",), style, overwrite=False)
+    with Image.open(path) as picture:
+        assert (picture.mode, picture.size) == (mode, (300, 150))
+        assert picture.getpixel((5, 5))[3:] == (0,) * transparent
+        assert round(picture.info["dpi"][0]) == formats.RESOLUTION
 
 
 def test_help_does_not_load_matplotlib():

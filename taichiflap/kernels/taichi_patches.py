@@ -8,14 +8,14 @@ compiled code is unchanged.
 import ast
 import contextlib
 import functools
-import importlib
 import inspect
 import linecache
 import os
 import sys
-import types
 from collections.abc import Callable, Iterator
 from typing import Any
+
+from ..doors import late
 
 UNUSED = "dill", "urllib.request"
 """What Taichi imports and does not use here: for functions typed into a shell, and to ask for a newer version."""
@@ -31,28 +31,18 @@ def hurrying() -> Iterator[None]:
     if os.environ.get("TAICHIFLAP_DEBUG"):
         yield
         return
-    waiting = {name: _Later(name) for name in UNUSED if name not in sys.modules}
     read = inspect.getframeinfo
-    sys.modules.update(waiting)
     inspect.getframeinfo = _frame_around
     try:
-        yield
+        with late(*UNUSED):
+            yield
     finally:
         inspect.getframeinfo = read
-        for name in waiting:
-            del sys.modules[name]
 
 
 def _frame_around(frame: Any, context: int = 1) -> inspect.Traceback:
     line = "class " if "__qualname__" in frame.f_locals else ""
     return inspect.Traceback(frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name, [line], 0)
-
-
-class _Later(types.ModuleType):
-    """Stands for a module until something of it is asked for."""
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(importlib.import_module(self.__name__), name)
 
 
 def hasten(taichi: Any) -> None:

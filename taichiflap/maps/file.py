@@ -63,6 +63,7 @@ class Map:
     def __init__(self, file: Any, path: Path | None, lock: Lock | None = None) -> None:
         self.file, self.path, self._lock = file, path, lock
         self._guard: hdf.Guarded | None = None
+        self._units: dict[str, str] = {}
         try:
             self.case = layout.read_case(file, str(path))
         except CaseError as error:
@@ -108,7 +109,9 @@ class Map:
 
     def units(self, name: str) -> str:
         """Unit of a metric or of a key."""
-        return str(self._words(name).get("units", ""))
+        if name not in self._units:
+            self._units[name] = str(self._words(name).get("units", ""))
+        return self._units[name]
 
     def outcomes(self, numbers: Sequence[int]) -> list[Outcome | None]:
         """Outcome of each of the given cases: its metrics or the reason of its failure; None if it has not run."""

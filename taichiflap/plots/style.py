@@ -10,7 +10,6 @@ from typing import Any
 
 import matplotlib as mpl
 from cycler import cycler
-from matplotlib import style
 
 from ..drawing import palette
 from ..files import OutputError
@@ -78,6 +77,8 @@ def using(name: str | None) -> Iterator[None]:
 
 
 def _settings(name: str) -> Any:
+    from matplotlib import style  # noqa: PLC0415 - reads all styles
+
     if name in style.library:
         return dict(style.library[name])
     path = Path(name)
