@@ -19,10 +19,11 @@ def solve_systems(matrix, rhs):
     start()
     x = np.ascontiguousarray(np.swapaxes(rhs, 1, 2))
     systems, _, n = x.shape
-    a = ti.ndarray(Octet, (systems, n, octets(n) + octets(x.shape[1])))
-    rows = view(a).reshape(systems, n, -1)
-    rows[:, :, :n], rows[:, :, n:] = matrix, 0.0
-    solve_all(a, x, ti.ndarray(Octet, (systems, n)))
+    a = ti.ndarray(Octet, (systems, 8 * octets(n), octets(n) + octets(x.shape[1])))
+    rows = view(a).reshape(systems, 8 * octets(n), -1)
+    rows[:] = 0.0
+    rows[:, :n, :n] = matrix
+    solve_all(a, x, ti.ndarray(Octet, (systems, 8 * octets(n))))
     return np.swapaxes(x, 1, 2)
 
 

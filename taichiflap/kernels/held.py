@@ -20,6 +20,11 @@ class HeldArray(tuple[Any, ...]):
     def __new__(cls, array: Any, lengths: Sequence[Any]) -> "HeldArray":
         return super().__new__(cls, (array, lengths))
 
+    @classmethod
+    def of(cls, array: Any) -> "HeldArray":
+        """An array with the shape that it has now; call it inside `ti.static`."""
+        return cls(array, [ti.lang.impl.expr_init(length) for length in array.shape[1:]])
+
     def __getitem__(self, at: Any) -> Any:
         array, lengths = self
         place, *rest = at
@@ -37,7 +42,7 @@ def held(group: Any, *alike: Sequence[str]) -> Any:
     """
     arrays = {name: group[name] for name in group.keys}
     for names in alike:
-        lengths = [ti.lang.impl.expr_init(length) for length in arrays[names[0]].shape[1:]]
+        _, lengths = HeldArray.of(arrays[names[0]])
         arrays |= {name: HeldArray(arrays[name], lengths) for name in names}
     # `ti.static` lets only tuples pass.
     return collections.namedtuple("Held", arrays)(**arrays)

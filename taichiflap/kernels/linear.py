@@ -1,9 +1,11 @@
 """Dense linear systems inside kernels: Gaussian elimination in panels of eight columns.
 
 The matrix of a system of `n` unknowns is stored as `n` rows of ceil(n/8) octets, and its right-hand sides as octets
-behind them. A panel's eight pivot rows stay in registers, so that every row below is read once instead of eight times.
+behind them. A panel's pivot rows stay in registers, four at a time, so that every row below is read twice instead of
+eight times.
 """
 
+from .held import HeldArray
 from .runtime import View, ti
 
 
@@ -13,22 +15,18 @@ def octets(n: int) -> int:
 
 
 @ti.func
-def element(a: View, b, row, column):
-    """One matrix element, read through its whole octet.
-
-    Taichi may keep a stale value of `a[b, i, j][lane]` after a store to its octet; this avoids it.
-    """
-    whole = a[b, row, column // 8]
-    return whole[column % 8]
-
-
-@ti.func
 def solve(a: View, x: View, factor: View, b, n, columns):
     """Solve system `b` with partial pivoting; the matrix is overwritten.
 
-    `a` has shape (systems, n, octets(n) + octets(columns)), the last octets left for the right-hand sides, and `x`
-    (systems, columns, n): right-hand sides, then the solutions. `factor` (systems, n) is scratch.
+    `a` has shape (systems, rows, octets(n) + octets(columns)), with rows at least `n` and a multiple of eight; its last
+    octets are left for the right-hand sides. `x` (systems, columns, n): right-hand sides, then the solutions. `factor`
+    (systems, rows) is scratch.
     """
+    eliminate(ti.static(HeldArray.of(a)), x, ti.static(HeldArray.of(factor)), b, n, columns)
+
+
+@ti.func
+def eliminate(a: View, x: View, factor: View, b, n, columns):
     blocks = (n + 7) // 8
     last = blocks + (columns + 7) // 8
     for i in range(n):
@@ -37,26 +35,30 @@ def solve(a: View, x: View, factor: View, b, n, columns):
     for panel in range(blocks):
         factorise(a, factor, b, n, panel, last)
         for j in range(panel + 1, last):
-            eliminate(a, factor, b, n, panel, j)
+            subtract(a, factor, b, n, panel, j)
     for j in range(blocks, last):
         for m in range(blocks):
             substitute(a, b, n, blocks - 1 - m, j)
     for i in range(n):
         for c in range(columns):
-            x[b, c, i] = element(a, b, i, 8 * blocks + c)
+            solution = a[b, i, blocks + c // 8]
+            x[b, c, i] = solution[c % 8]
 
 
 @ti.func
 def factorise(a: View, factor: View, b, n, panel, last):
-    """Eliminate within a panel of eight columns; `factor` stores the multiples of the pivot rows."""
-    for k in range(8 * panel, ti.min(8 * panel + 8, n)):
-        pivot_row = k
-        largest = -1.0
-        for i in range(k, n):
-            size = ti.abs(element(a, b, i, k))
-            if size > largest:
-                largest = size
-                pivot_row = i
+    """Eliminate within a panel of eight columns; `factor` stores the multiples of the pivot rows.
+
+    While a column is subtracted from the next, the largest entry of the next is found. Lanes known only at run time are
+    read from memory: a lane of an octet in registers would take the octet through memory.
+    """
+    first = 8 * panel
+    largest, pivot_row = -1.0, first
+    for i in range(first, n):
+        size = ti.abs(a[b, i, panel][0])
+        if size > largest:
+            largest, pivot_row = size, i
+    for k in range(first, ti.min(first + 8, n)):
         if pivot_row != k:
             for j in range(panel, last):
                 other = a[b, pivot_row, j]
@@ -65,31 +67,38 @@ def factorise(a: View, factor: View, b, n, panel, last):
             others = factor[b, pivot_row]
             factor[b, pivot_row] = factor[b, k]
             factor[b, k] = others
+        lane, following = k - first, (k + 1 - first) % 8
         pivot = a[b, k, panel]
-        inverse = 1.0 / pivot[k % 8]
+        inverse, ahead = 1.0 / pivot[lane], pivot[following]
+        largest, pivot_row = -1.0, k + 1
         for i in range(k + 1, n):
-            row = a[b, i, panel]
-            share = row[k % 8] * inverse
-            factor[b, i][k % 8] = share
-            a[b, i, panel] = row - share * pivot
+            share = a[b, i, panel][lane] * inverse
+            size = ti.abs(a[b, i, panel][following] - share * ahead)
+            factor[b, i][lane] = share
+            a[b, i, panel] = a[b, i, panel] - share * pivot
+            if size > largest:
+                largest, pivot_row = size, i
 
 
 @ti.func
-def eliminate(a: View, factor: View, b, n, panel, j):
-    """Subtract a panel's pivot rows from block `j` of the rows below, all eight at once."""
+def subtract(a: View, factor: View, b, n, panel, j):
+    """Subtract a panel's pivot rows from block `j` of the rows below.
+
+    They are subtracted four at a time, which is as many octets as fit into the registers of AVX2. Rows from `n` on hold
+    no equations, and what becomes of them is not read.
+    """
     first = 8 * panel
-    for i in range(first + 1, ti.min(first + 8, n)):
-        row = a[b, i, j]
-        shares = factor[b, i]
-        for k in range(i - first):
-            row = row - shares[k] * a[b, first + k, j]
-        a[b, i, j] = row
-    if first + 8 < n:
-        pivots = [a[b, first + k, j] for k in ti.static(range(8))]
+    pivots = [a[b, first + k, j] for k in ti.static(range(8))]
+    for i in ti.static(range(1, 8)):
+        shares = factor[b, first + i]
+        for k in ti.static(range(i)):
+            pivots[i] = pivots[i] - shares[k] * pivots[k]
+        a[b, first + i, j] = pivots[i]
+    for half in ti.static(range(2)):
         for i in range(first + 8, n):
             row = a[b, i, j]
             shares = factor[b, i]
-            for k in ti.static(range(8)):
+            for k in ti.static(range(4 * half, 4 * half + 4)):
                 row = row - shares[k] * pivots[k]
             a[b, i, j] = row
 
@@ -101,10 +110,10 @@ def substitute(a: View, b, n, panel, j):
     held = ti.min(8, n - first)
     for m in range(held):
         k = first + held - 1 - m
-        known = a[b, k, j] / element(a, b, k, k)
+        known = a[b, k, j] / a[b, k, panel][k - first]
         a[b, k, j] = known
         for i in range(first, k):
-            a[b, i, j] = a[b, i, j] - element(a, b, i, k) * known
+            a[b, i, j] = a[b, i, j] - a[b, i, panel][k - first] * known
     for i in range(first):
         row = a[b, i, j]
         shares = a[b, i, panel]
