@@ -38,25 +38,24 @@ def _doing_again(part: str) -> Any:
     # A part is done again where all that it reads stands, and what it writes is either the same or written anew.
     @ti.func
     def prepare(batch: View, b, n, rule, used: View):
+        flow, wakes = ti.static(uvlm.hold(batch))
         if ti.static(part == "convect"):
             for _ in range(AGAIN if n > 0 else 0):
                 # For no time at all, so that nothing moves.
-                wake.convect(
-                    batch.wake, batch.flow.panel, batch.flow.size[b, PANELS], batch.flow.scalar, b, n, 0.0, False
-                )
+                wake.convect(wakes, flow.panel, flow.size[b, PANELS], flow.scalar, b, n, 0.0, False)
         if ti.static(part == "assemble"):
             for _ in range(AGAIN):
-                lattice.assemble(batch.body, batch.flow, b, n)
+                lattice.assemble(batch.body, flow, b, n)
         uvlm.prepare(batch, b, n, rule, used)
         if ti.static(part == "lay"):
             for _ in range(AGAIN):
-                lattice.place_panels(batch.body, batch.flow, b, n)
+                lattice.place_panels(batch.body, flow, b, n)
         if ti.static(part == "wash"):
             for _ in range(AGAIN):
-                lattice.wake_at_panels(batch.body, batch.flow, batch.wake, b, n)
+                lattice.wake_at_panels(batch.body, flow, wakes, b, n)
         if ti.static(part == "eliminate"):
             for _ in range(AGAIN):
-                lattice.assemble(batch.body, batch.flow, b, n)
-                lattice.solve(batch.body, batch.flow, b)
+                lattice.assemble(batch.body, flow, b, n)
+                lattice.solve(batch.body, flow, b)
 
     return prepare

@@ -23,6 +23,8 @@ class HeldArray(tuple[Any, ...]):
     @classmethod
     def of(cls, array: Any) -> "HeldArray":
         """An array with the shape that it has now; call it inside `ti.static`."""
+        if isinstance(array, cls):
+            return array
         return cls(array, [ti.lang.impl.expr_init(length) for length in array.shape[1:]])
 
     def __getitem__(self, at: Any) -> Any:

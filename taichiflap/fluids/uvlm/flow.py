@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...case.case import Case
+from ...kernels.held import held
 from ...kernels.runtime import View, ti
 from ...march.state import AXIAL, BETA, C0, C1, C2, MOMENT, NORMAL, UNSTEADY
 from ...march.stream import carry_gust
@@ -203,47 +204,59 @@ def circulate(body: View, flow: View, wakes: View, b, rule, used: View):
     body.force[b, UNSTEADY] = total_unsteady
 
 
+def hold(batch: Any) -> tuple[Any, Any]:
+    """Lattice and wake of a batch, their arrays held; call it inside `ti.static`."""
+    return held(batch.flow, *lattice.HELD), held(batch.wake, *wake.HELD)
+
+
 @ti.func
 def prepare(batch: View, b, n, rule, used: View):
     """Geometry, circulation (linear in the modal acceleration) and modal force of step `n`."""
-    panels = batch.flow.size[b, PANELS]
+    flow, wakes = ti.static(hold(batch))
+    advance(batch.body, flow, wakes, b, n, rule, used)
+
+
+@ti.func
+def advance(body: View, flow: View, wakes: View, b, n, rule, used: View):
+    panels = flow.size[b, PANELS]
     if n > 0:
-        dt = batch.body.dt[b]
-        wake.convect(batch.wake, batch.flow.panel, panels, batch.flow.scalar, b, n, dt, used.single_precision)
-    carry_gust(batch.flow.scalar, b, n * batch.body.dt[b])
-    lattice.place_panels(batch.body, batch.flow, b, n)
-    lattice.reflect_crossings(batch.body, batch.flow, batch.wake, b, n)
-    lattice.shed_vortex(batch.body, batch.flow, batch.wake, b, n, used)
-    lattice.wake_at_panels(batch.body, batch.flow, batch.wake, b, n)
-    lattice.assemble(batch.body, batch.flow, b, n)
+        dt = body.dt[b]
+        wake.convect(wakes, flow.panel, panels, flow.scalar, b, n, dt, used.single_precision)
+    carry_gust(flow.scalar, b, n * body.dt[b])
+    lattice.place_panels(body, flow, b, n)
+    lattice.reflect_crossings(body, flow, wakes, b, n)
+    lattice.shed_vortex(body, flow, wakes, b, n, used)
+    lattice.wake_at_panels(body, flow, wakes, b, n)
+    lattice.assemble(body, flow, b, n)
     if ti.static(used.shedding):
-        if batch.flow.size[b, SHEDDING] == 1:
-            leading_edge.place(batch.body, batch.flow, batch.wake, b, n)
-            leading_edge.wake_at_edge(batch.body, batch.flow, batch.wake, b, n)
-            leading_edge.assemble(batch.body, batch.flow, b)
-    lattice.solve(batch.body, batch.flow, b)
+        if flow.size[b, SHEDDING] == 1:
+            leading_edge.place(body, flow, wakes, b, n)
+            leading_edge.wake_at_edge(body, flow, wakes, b, n)
+            leading_edge.assemble(body, flow, b)
+    lattice.solve(body, flow, b)
     if ti.static(used.shedding):
-        if batch.flow.size[b, SHEDDING] == 1:
-            leading_edge.measure(batch.body, batch.flow, batch.wake, b, n)
-            leading_edge.shed(batch.body, batch.flow, batch.wake, b, n)
-    if batch.flow.size[b, WHOLE] == 1:
-        tangential.past_points(batch.body, batch.flow, b, n)
+        if flow.size[b, SHEDDING] == 1:
+            leading_edge.measure(body, flow, wakes, b, n)
+            leading_edge.shed(body, flow, wakes, b, n)
+    if flow.size[b, WHOLE] == 1:
+        tangential.past_points(body, flow, b, n)
     if ti.static(used.suction or used.loads_at_vortices):
-        if batch.flow.size[b, WHOLE] == 0 or batch.flow.scalar[b, FACTOR] > 0.0:
-            tangential.expect_circulation(batch.body, batch.flow, batch.wake, b)
+        if flow.size[b, WHOLE] == 0 or flow.scalar[b, FACTOR] > 0.0:
+            tangential.expect_circulation(body, flow, wakes, b)
     if ti.static(used.loads_at_vortices):
-        if batch.flow.size[b, WHOLE] == 0:
-            tangential.past_vortices(batch.body, batch.flow, batch.wake, b, n)
+        if flow.size[b, WHOLE] == 0:
+            tangential.past_vortices(body, flow, wakes, b, n)
     if ti.static(used.suction):
-        if batch.flow.scalar[b, FACTOR] > 0.0:
-            tangential.leading_edge_suction(batch.body, batch.flow, batch.wake, b, n)
-    load_modes(batch.body, batch.flow, b, rule, used)
+        if flow.scalar[b, FACTOR] > 0.0:
+            tangential.leading_edge_suction(body, flow, wakes, b, n)
+    load_modes(body, flow, b, rule, used)
 
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
     """Circulation, new vortices and forces of step `n` at the known modal acceleration."""
-    circulate(batch.body, batch.flow, batch.wake, b, rule, used)
+    flow, wakes = ti.static(hold(batch))
+    circulate(batch.body, flow, wakes, b, rule, used)
 
 
 BOUND, CROSSED, LOST, FAR, SUCTION_VELOCITY, FROM_LEADING, FROM_TRAILING, EDGE_SHEDS = range(8)

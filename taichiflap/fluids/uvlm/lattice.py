@@ -77,6 +77,9 @@ Lattice = ti.types.argpack(
     factor=Octets2,
 )
 
+HELD = ("panel",), ("at",), ("shape",), ("matrix",), ("solution",), ("factor",)
+"""Arrays whose shapes the kernel reads once, see `taichiflap.kernels.held`."""
+
 
 def allocate(cases: Sequence[Case], sections: Sequence[Modes]) -> Any:
     """Arrays of the lattices of a batch."""
@@ -274,6 +277,12 @@ def vortices(flow: View, b, axis, first):
 
 
 @ti.func
+def new_at(flow: View, b, i, t_y, t_z):
+    """Velocity along the normal of panel `i` due to a unit of the new vortex."""
+    return flow.panel[b, NEW + Z, i] * t_y - flow.panel[b, NEW + Y, i] * t_z
+
+
+@ti.func
 def assemble(body: View, flow: View, b, n):
     """No penetration at every control point (Eqs 28, 31), with the new vortex eliminated by Kelvin's theorem.
 
@@ -283,18 +292,18 @@ def assemble(body: View, flow: View, b, n):
     modes = body.modes[b]
     theta_rate = body.motion[b, n, PITCH_RATE]
     p_y, p_z = pivot_velocity(body, flow.scalar, b, n)
+    for block in range((flow.size[b, PANELS] + 7) // 8):
+        y, z = vortices(flow, b, Y, 8 * block), vortices(flow, b, Z, 8 * block)
+        for i in range(flow.size[b, PANELS]):
+            t_y, t_z = flow.at[b, POINT, ALONG, i], flow.at[b, POINT, ACROSS, i]
+            past = normal_velocity(1.0, flow.at[b, POINT, Y, i] - y, flow.at[b, POINT, Z, i] - z, t_y, t_z)
+            flow.matrix[b, i, block] = past - new_at(flow, b, i, t_y, t_z)
     for i in range(flow.size[b, PANELS]):
-        t_y = flow.at[b, POINT, ALONG, i]
-        t_z = flow.at[b, POINT, ACROSS, i]
-        new = flow.panel[b, NEW + Z, i] * t_y - flow.panel[b, NEW + Y, i] * t_z
-        for block in range((flow.size[b, PANELS] + 7) // 8):
-            dy = flow.at[b, POINT, Y, i] - vortices(flow, b, Y, 8 * block)
-            dz = flow.at[b, POINT, Z, i] - vortices(flow, b, Z, 8 * block)
-            flow.matrix[b, i, block] = normal_velocity(1.0, dy, dz, t_y, t_z) - new
+        t_y, t_z = flow.at[b, POINT, ALONG, i], flow.at[b, POINT, ACROSS, i]
         u_y = p_y - theta_rate * flow.at[b, POINT, Z, i] - flow.panel[b, WAKE + Y, i]
         u_z = p_z + theta_rate * flow.at[b, POINT, Y, i] - flow.panel[b, WAKE + Z, i]
         u_z += deflect(flow, body.q_free, b, RATE, POINT, i, modes)
-        flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new * flow.scalar[b, TOTAL]
+        flow.solution[b, 0, i] = u_z * t_y - u_y * t_z - new_at(flow, b, i, t_y, t_z) * flow.scalar[b, TOTAL]
         for k in range(modes):
             flow.solution[b, k + 1, i] = flow.shape[b, k, POINT, i] * t_y
 

@@ -71,6 +71,9 @@ Wake = ti.types.argpack(
     single=Singles3,  # (case, 4, index): bound vortices and then the wake's, for sums in single precision
 )
 
+HELD = ("vortex",), ("origin",)
+"""Arrays whose shapes the kernel reads once, see `taichiflap.kernels.held`."""
+
 
 def allocate(cases: Sequence[Case]) -> Any:
     """Empty wakes of a batch."""
