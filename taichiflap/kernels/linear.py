@@ -22,11 +22,11 @@ def solve(a: View, x: View, factor: View, b, n, columns):
     octets are left for the right-hand sides. `x` (systems, columns, n): right-hand sides, then the solutions. `factor`
     (systems, rows) is scratch.
     """
-    eliminate(ti.static(HeldArray.of(a)), x, ti.static(HeldArray.of(factor)), b, n, columns)
+    solve_held(ti.static(HeldArray.of(a)), x, ti.static(HeldArray.of(factor)), b, n, columns)
 
 
 @ti.func
-def eliminate(a: View, x: View, factor: View, b, n, columns):
+def solve_held(a: View, x: View, factor: View, b, n, columns):
     blocks = (n + 7) // 8
     last = blocks + (columns + 7) // 8
     for i in range(n):
@@ -35,7 +35,7 @@ def eliminate(a: View, x: View, factor: View, b, n, columns):
     for panel in range(blocks):
         factorise(a, factor, b, n, panel, last)
         for j in range(panel + 1, last):
-            subtract(a, factor, b, n, panel, j)
+            eliminate(a, factor, b, n, panel, j)
     for j in range(blocks, last):
         for m in range(blocks):
             substitute(a, b, n, blocks - 1 - m, j)
@@ -81,7 +81,7 @@ def factorise(a: View, factor: View, b, n, panel, last):
 
 
 @ti.func
-def subtract(a: View, factor: View, b, n, panel, j):
+def eliminate(a: View, factor: View, b, n, panel, j):
     """Subtract a panel's pivot rows from block `j` of the rows below.
 
     They are subtracted four at a time, which is as many octets as fit into the registers of AVX2. Rows from `n` on hold
