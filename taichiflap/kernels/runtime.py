@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import numpy as np
 
 from ..errors import UserError
+from .loops import count_passes
 from .taichi_patches import free_arrays, hasten, hurrying
 
 # Otherwise Taichi sends its version and a machine id to an outside host, and prints a banner.
@@ -68,6 +69,7 @@ else:
 
     hasten(ti)
     free_arrays(ti)
+    count_passes(ti)
     View = ti.template()
     """Annotation of a `ti.func` parameter that is an array or a group of arrays."""
     Ints1, Ints2, Ints3 = (ti.types.ndarray(dtype=ti.i32, ndim=n) for n in (1, 2, 3))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..kernels.loops import repeated
 from ..kernels.runtime import LANE, Floats3, Octet, Sixteen, View, start, tasks, ti
 
 Y, Z, CIRCULATION, CORE2 = range(4)
@@ -56,6 +57,7 @@ def _sum_over(lanes: Any) -> Any:
     """The sum for a vector type: one target point per lane, in its precision."""
 
     @ti.func
+    @repeated
     def induce(y, z, core2, vortices: View, b, first, last):
         """Velocity (m/s) at points `y`, `z` of squared cores `core2` from vortices `first` to `last - 1` of case `b`.
 
