@@ -5,13 +5,14 @@ The skipped work serves error messages about kernels, and kernels inside classes
 compiled code is unchanged.
 """
 
-import ast
 import contextlib
 import functools
 import inspect
 import linecache
 import os
 import sys
+import textwrap
+import types
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -57,6 +58,8 @@ def hasten(taichi: Any) -> None:
     # At every call of a function Taichi searches all modules for its source.
     kernels.getsourcefile = lambda function: function.__code__.co_filename
     kernels.getsourcelines = _source
+    # It wraps each of their lines at 9999 letters.
+    kernels.textwrap = types.SimpleNamespace(fill=_unwrapped, dedent=textwrap.dedent)
     # For every array Taichi records the caller.
     taichi.lang._ndarray.get_traceback = taichi.lang.matrix.get_traceback = lambda: ""
     # Taichi builds every group of arrays twice, each time with a new class, and nested groups once more.
@@ -131,23 +134,26 @@ def _inside_class(level_of_class_stackframe: int) -> bool:
 
 @functools.cache
 def _source(function: Callable[..., Any]) -> tuple[list[str], int]:
-    """Lines of a function and the number of the first, like `inspect.getsourcelines`."""
-    first = function.__code__.co_firstlineno
-    last = _ends(function.__code__.co_filename).get(first)
-    if last is None:
+    """Lines of a function and the number of the first, like `inspect.getsourcelines`, which reads the file in tokens.
+
+    A function ends with its code, or with the brackets and comments behind it that are indented further than its first.
+    """
+    code = function.__code__
+    first, lines = code.co_firstlineno, linecache.getlines(code.co_filename)
+    if not lines:
         return inspect.getsourcelines(function)
-    return linecache.getlines(function.__code__.co_filename)[first - 1 : last], first
+    last = max(line or first for _, line, _, _ in code.co_positions())
+    for number, line in enumerate(lines[last:], last + 1):
+        if line.strip():
+            if _indent(line) <= _indent(lines[first - 1]):
+                break
+            last = number
+    return lines[first - 1 : last], first
 
 
-@functools.cache
-def _ends(path: str) -> dict[int, int]:
-    """Last line of every function of a file, by its first, which is that of its first decorator."""
-    functions = _functions(ast.parse("".join(linecache.getlines(path))).body)
-    return {min([f.lineno, *(d.lineno for d in f.decorator_list)]): f.end_lineno or 0 for f in functions}
+def _unwrapped(line: str, **_: int) -> str:
+    return line.rstrip()
 
 
-def _functions(body: list[ast.stmt]) -> Iterator[ast.FunctionDef]:
-    for statement in body:
-        if isinstance(statement, ast.FunctionDef):
-            yield statement
-        yield from _functions(getattr(statement, "body", []))
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip())
