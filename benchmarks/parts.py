@@ -42,7 +42,7 @@ def _doing_again(part: str) -> Any:
         if ti.static(part == "convect"):
             for _ in range(AGAIN if n > 0 else 0):
                 # For no time at all, so that nothing moves.
-                wake.convect(wakes, flow.panel, flow.size[b, PANELS], flow.scalar, b, n, 0.0, False)
+                wake.convect(wakes, flow.panel, flow.size[b, PANELS], flow.scalar, b, n, 0.0, False, False)
         if ti.static(part == "assemble"):
             for _ in range(AGAIN):
                 lattice.assemble(batch.body, flow, b, n)

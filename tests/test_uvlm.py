@@ -155,7 +155,7 @@ def convect_once(
     single: ti.template(),
 ):  # fmt: skip
     for i in range(1):
-        wake.convect(wakes, bound, count, stream, 0, n, step, single)
+        wake.convect(wakes, bound, count, stream, 0, n, step, single, False)
 
 
 @pytest.mark.parametrize("core", [0.0, 0.3])

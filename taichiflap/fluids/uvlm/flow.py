@@ -49,6 +49,7 @@ class Uses:
     suction: bool
     loads_at_vortices: bool
     single_precision: bool
+    gusts: bool
     absorbing: bool
     shedding: bool
     listing: bool
@@ -62,6 +63,7 @@ def uses(cases: Sequence[Case]) -> Uses:
         suction=any(has_edge(case) for case in cases),
         loads_at_vortices=any(case.uvlm.loads == "vortices" for case in cases),
         single_precision=any(case.uvlm.precision == "single" for case in cases),
+        gusts=any(case.fluid.gust != "none" for case in cases),
         absorbing=any(absorbs(case) and not is_listed(case) for case in cases),
         shedding=any(sheds(case) for case in cases),
         listing=any(map(is_listed, cases)),
@@ -221,12 +223,15 @@ def advance(body: View, flow: View, wakes: View, b, n, rule, used: View):
     panels = flow.size[b, PANELS]
     if n > 0:
         dt = body.dt[b]
-        wake.convect(wakes, flow.panel, panels, flow.scalar, b, n, dt, used.single_precision)
-    carry_gust(flow.scalar, b, n * body.dt[b])
+        wake.convect(wakes, flow.panel, panels, flow.scalar, b, n, dt, used.single_precision, used.gusts)
+    if ti.static(used.gusts):
+        carry_gust(flow.scalar, b, n * body.dt[b])
     lattice.place_panels(body, flow, b, n)
     lattice.reflect_crossings(body, flow, wakes, b, n)
     lattice.shed_vortex(body, flow, wakes, b, n, used)
     lattice.wake_at_panels(body, flow, wakes, b, n)
+    if ti.static(used.gusts):
+        lattice.gust_at_panels(body, flow, b, n)
     lattice.assemble(body, flow, b, n)
     if ti.static(used.shedding):
         if flow.size[b, SHEDDING] == 1:

@@ -249,7 +249,7 @@ def shed_vortex(body: View, flow: View, wakes: View, b, n, used: View):
 
 @ti.func
 def wake_at_panels(body: View, flow: View, wakes: View, b, n):
-    """Velocity of the wake and of a gust at the control points, along e_y and e_z."""
+    """Velocity of the wake at the control points, along e_y and e_z."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     for block in range((flow.size[b, PANELS] + 7) // 8):
@@ -258,7 +258,14 @@ def wake_at_panels(body: View, flow: View, wakes: View, b, n):
         u_y, u_z = induce(y, z, TINY, wakes.vortex, b, 0, wakes.ring[b, COUNT])
         store_octet(flow.panel, b, WAKE + Y, 8 * block, cosine * u_y + sine * u_z)
         store_octet(flow.panel, b, WAKE + Z, 8 * block, cosine * u_z - sine * u_y)
+
+
+@ti.func
+def gust_at_panels(body: View, flow: View, b, n):
+    """Add the velocity of a gust at the control points to that of the wake."""
     if flow.scalar[b, KIND] > 0.0:
+        cosine = body.motion[b, n, COSINE]
+        sine = body.motion[b, n, SINE]
         last = flow.size[b, PANELS] - 1
         for i in range(last + 1):
             # A sharp gust edge is averaged over the cell between two vortices.

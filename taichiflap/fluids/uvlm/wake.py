@@ -207,7 +207,7 @@ def carry_all(wake: View, bound: View, panels, stream: View, b, single: View):
 
 
 @ti.func
-def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: View):
+def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: View, gusts: View):
     """Convect every wake vortex from step `n - 1` to `n`.
 
     A new vortex has no previous velocity, so its first step is an Euler step.
@@ -215,11 +215,12 @@ def convect(wake: View, bound: View, panels, stream: View, b, n, dt, single: Vie
     count = wake.ring[b, COUNT]
     if wake.ring[b, CARRIED] != n:
         carry_all(wake, bound, panels, stream, b, single)
-    if stream[b, KIND] > 0.0:
-        for i in range(count):
-            g_y, g_z = gust_at(stream, b, wake.vortex[b, Y, i], wake.vortex[b, Z, i], stream[b, EDGE])
-            wake.vortex[b, VELOCITY + Y, i] = wake.vortex[b, VELOCITY + Y, i] + g_y
-            wake.vortex[b, VELOCITY + Z, i] = wake.vortex[b, VELOCITY + Z, i] + g_z
+    if ti.static(gusts):
+        if stream[b, KIND] > 0.0:
+            for i in range(count):
+                g_y, g_z = gust_at(stream, b, wake.vortex[b, Y, i], wake.vortex[b, Z, i], stream[b, EDGE])
+                wake.vortex[b, VELOCITY + Y, i] = wake.vortex[b, VELOCITY + Y, i] + g_y
+                wake.vortex[b, VELOCITY + Z, i] = wake.vortex[b, VELOCITY + Z, i] + g_z
     for i in range(count):
         moved2 = 0.0
         for axis in range(2):
