@@ -13,9 +13,8 @@ SHORT = ("time.periods=2", "time.steps_per_period=100", "uvlm.panels=12", "wing.
 CASES = {"uvlm": SHORT, "dbet": (*SHORT, "solver=dbet", *PAPERS_BLADES)}
 DIGESTS = {
     ("GenuineIntel 6 avx512", "uvlm"): "4a8424930899f8c132795aeebd2a8945a5178a3fcc35b2a4de772d18911460a3",
-    ("GenuineIntel 6 avx512", "dbet"): "93df166de8505eaeeb914abac70b778d87b3432df069495b33a21999f8c433d7",
     ("AuthenticAMD 25", "uvlm"): "4a8424930899f8c132795aeebd2a8945a5178a3fcc35b2a4de772d18911460a3",
-    ("AuthenticAMD 25", "dbet"): "1893f81f61996662c6bbc708531c32b96dfac23f748c9475407fe3c0994d8de6",
+    ("AuthenticAMD 25", "dbet"): "fb351183a94dec2c541a267d08548c5968cc5ef1a6478ad612b5f33ae49d190d",
 }
 """By processor and solver: on another family of processors the libraries round otherwise, and the test is skipped."""
 MOVED = """The bits of a {solver} run have changed on {processor}:

@@ -5,8 +5,12 @@ import sys
 
 import pytest
 
+<<<<<<< HEAD
 from taichiflap import doors
 from taichiflap.fluids.dbet import added_mass, attached, elements, loads, separated
+=======
+from taichiflap.fluids.dbet import added_mass, attached, elements, loads, separated, strips
+>>>>>>> 4b4b937 (Blade elements: strips as a mass matrix, one reciprocal speed, leaner loops; modal arrays with known shapes)
 from taichiflap.fluids.dbet import flow as dbet
 from taichiflap.fluids.uvlm import flow as uvlm
 from taichiflap.fluids.uvlm import lattice, merging, tangential, wake
@@ -34,6 +38,7 @@ from taichiflap.vortex import sum as vortex
         added_mass,
         loads,
         separated,
+        strips,
     ],
 )
 def test_sources_are_those_that_inspect_finds(module):

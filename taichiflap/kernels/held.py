@@ -25,7 +25,7 @@ class HeldArray(tuple[Any, ...]):
         """An array with the shape that it has now; call it inside `ti.static`."""
         if isinstance(array, cls):
             return array
-        return cls(array, [ti.lang.impl.expr_init(length) for length in array.shape[1:]])
+        return cls(array, [length(array, axis) for axis in range(1, len(array.shape))])
 
     def __getitem__(self, at: Any) -> Any:
         array, lengths = self
@@ -36,15 +36,22 @@ class HeldArray(tuple[Any, ...]):
         return ti.lang.impl.subscript(None, array, *[0] * len(rest), place)
 
 
-def held(group: Any, *alike: Sequence[str]) -> Any:
+def length(array: Any, axis: int) -> Any:
+    """The length of an array's axis as a local variable; call it inside `ti.static`."""
+    return ti.lang.impl.expr_init(array.shape[axis])
+
+
+def held(group: Any, *alike: Sequence[str], **known: Sequence[Any]) -> Any:
     """A group of arrays within a kernel, some of them as `HeldArray`; call it inside `ti.static`.
 
     Args:
         alike: names of arrays of the same shape, which is read once for all of them.
+        known: lengths of the axes of other arrays except the first.
     """
     arrays = {name: group[name] for name in group.keys}
     for names in alike:
         _, lengths = HeldArray.of(arrays[names[0]])
-        arrays |= {name: HeldArray(arrays[name], lengths) for name in names}
+        known |= dict.fromkeys(names, lengths)
+    arrays |= {name: HeldArray(arrays[name], lengths) for name, lengths in known.items()}
     # `ti.static` lets only tuples pass.
     return collections.namedtuple("Held", arrays)(**arrays)

@@ -106,21 +106,27 @@ def accelerate(body: View, b, n, rule, known: View):
         stiffness = body.constant[b, STIFFNESS, j] - theta_rate * theta_rate
         damping = body.constant[b, DAMPING, j]
         rate_known = body.q_free[b, RATE, j]
-        for k in range(modes):
-            body.system[b, j, k] = -body.response[b, j, k]
-        body.system[b, j, j] = body.system[b, j, j] + 1.0 + beta * (damping + beta * stiffness)
-        body.system[b, j, modes] = (
+        own = beta * (damping + beta * stiffness)
+        forcing = (
             body.load[b, j]
             - body.constant[b, LAMBDA, j] * heave
             - body.constant[b, PSI, j] * theta_accel
             - damping * rate_known
             - stiffness * (body.q_free[b, AMPLITUDE, j] + beta * rate_known)
         )
-    linear.solve_few(body.system, b, modes)
+        if ti.static(known == 1):
+            body.q[b, ACCEL, j] = forcing / (-body.response[b, j, j] + 1.0 + own)
+        else:
+            for k in range(modes):
+                body.system[b, j, k] = -body.response[b, j, k]
+            body.system[b, j, j] = body.system[b, j, j] + 1.0 + own
+            body.system[b, j, modes] = forcing
+    if ti.static(known < 0):
+        linear.solve_few(body.system, b, modes)
+        for k in range(modes):
+            body.q[b, ACCEL, k] = body.system[b, k, modes]
     for k in range(modes):
-        accel = body.system[b, k, modes]
-        rate = body.q_free[b, RATE, k] + beta * accel
-        body.q[b, ACCEL, k] = accel
+        rate = body.q_free[b, RATE, k] + beta * body.q[b, ACCEL, k]
         body.q[b, RATE, k] = rate
         body.q[b, AMPLITUDE, k] = body.q_free[b, AMPLITUDE, k] + beta * rate
 
@@ -183,18 +189,19 @@ def _build(flow: Any, outputs: tuple[Any, ...] | None, known: int) -> Any:
 
     @ti.func
     def march_case(batch: View, b, first, last, opening):
+        body = ti.static(bodies.held_body(batch.body, known))
         steps = batch.body.plan[b, STEPS]
         every = batch.body.plan[b, EVERY]
         for n in range(first, ti.min(last, steps + 1)):
             if batch.body.failed[b] < 0:
                 rule = differencing(n, batch.body.dt[b])
-                predict(batch.body, b, n, rule, known)
+                predict(body, b, n, rule, known)
                 prepare(batch, b, n, rule, *needs)
-                accelerate(batch.body, b, n, rule, known)
+                accelerate(body, b, n, rule, known)
                 settle(batch, b, n, rule, *needs)
-                if has_diverged(batch.body, b, known):
+                if has_diverged(body, b, known):
                     batch.body.failed[b] = n
-                track_step(batch.body, batch.track, b, n - opening, known)
+                track_step(body, batch.track, b, n - opening, known)
                 if ti.static(storing and counting):
                     record_step(batch, b, n - opening)
                 if ti.static(storing):

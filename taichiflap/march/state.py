@@ -11,6 +11,7 @@ import numpy as np
 
 from ..case.case import Case
 from ..kernels.arrays import Spare, array, zeros
+from ..kernels.held import held, length
 from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Ints2, View, ti, view
 from ..motion import sampling
 from ..motion.sampling import PITCH, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
@@ -26,7 +27,8 @@ C0, C1, C2, BETA = range(4)
 """Coefficients of the backward difference: `x' = C0 x + C1 x_before + C2 x_before_that`, and `BETA = dx / dx'`."""
 
 AMPLITUDE, RATE, ACCEL, BEFORE = range(4)
-"""Rows of a modal state, shape (case, row, mode)."""
+"""Rows of a modal state, shape (case, row, mode); from BEFORE on amplitude and rate one step earlier."""
+ROWS = BEFORE + 2
 
 STEPS, EVERY = range(2)
 """Columns of `plan`: number of steps of a case, and steps between its frames."""
@@ -47,7 +49,7 @@ Body = ti.types.argpack(
     dt=Floats1,
     motion=Floats3,  # (case, step, COLUMNS), see taichiflap.motion; and cos theta, sin theta
     constant=Floats3,
-    q=Floats3,  # (case, 5, mode): modal state now, and from row BEFORE on amplitude and rate one step earlier
+    q=Floats3,  # (case, ROWS, mode)
     q_free=Floats3,  # amplitude and rate at the next step without acceleration
     q_predicted=Floats3,  # amplitude and rate at the next step, extrapolated to second order
     load=Floats2,  # modal force Q_j without modal acceleration
@@ -87,7 +89,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: Any
     """Arrays of a batch, at rest; `motions` as of `sample_motions`."""
     count = len(cases)
     most = most_modes(sections)
-    constant = np.zeros((count, 5, most))
+    constant = np.zeros((count, RUNAWAY + 1, most))
     for b, section in enumerate(sections):
         damping = 2.0 * section.damping_ratio * section.omega
         stop = divergence.limits(section)
@@ -99,7 +101,7 @@ def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: Any
         dt=array([case.step for case in cases], float),
         motion=motions,
         constant=array(constant),
-        q=zeros(ti.f64, count, 5, most),
+        q=zeros(ti.f64, count, ROWS, most),
         q_free=zeros(ti.f64, count, 2, most),
         q_predicted=zeros(ti.f64, count, 2, most),
         load=zeros(ti.f64, count, most),
@@ -131,6 +133,27 @@ def modes_of(body: View, b, known: View):
     if ti.static(known < 0):
         count = body.modes[b]
     return count
+
+
+def held_body(body: Any, known: int) -> Any:
+    """The group `Body` within a kernel, its shapes in local variables; call it inside `ti.static`.
+
+    Args:
+        known: what `common_modes` says of the batch.
+    """
+    most = 1 if known >= 0 else length(body["q"], 2)
+    return held(
+        body,
+        motion=(length(body["motion"], 1), COLUMNS),
+        constant=(RUNAWAY + 1, most),
+        q=(ROWS, most),
+        q_free=(2, most),
+        q_predicted=(2, most),
+        load=(most,),
+        response=(most, most),
+        force=(4,),
+        system=(most, most + 1),
+    )
 
 
 @ti.func

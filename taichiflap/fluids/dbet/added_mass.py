@@ -29,7 +29,6 @@ from .elements import (
     LEAN,
     POSITION,
     SCRATCH,
-    W_RATE,
     WING_Y,
     superpose_octet,
     transform,
@@ -72,7 +71,8 @@ def flux_rates(body: View, flow: View, b, n, rule, used: View):
                 w = superpose_octet(flow.shape, body.q_predicted, b, AMPLITUDE, block, modes)
                 lean_rate = superpose_octet(flow.shape_slope, body.q_free, b, RATE, block, modes)
                 rate = rate - lean_rate * flow.element[b, WING_Y, block]
-                turned = accel_y - flow.element[b, W_RATE, block] * theta_rate - w * theta_accel
+                w_rate = superpose_octet(flow.shape, body.q_predicted, b, RATE, block, modes)
+                turned = accel_y - w_rate * theta_rate - w * theta_accel
                 rate = rate - flow.element[b, LEAN, block] * turned
         if flow.stream[b, KIND] > 0.0:
             rate += rule[C0] * flow.element[b, GUST, block] + rule[C1] * flow.element[b, GUST_BEFORE, block]

@@ -23,7 +23,7 @@ from ...march.state import BETA, RATE, modes_of
 from ...vortex.sum import TINY
 from . import added_mass, elements
 from .added_mass import TERMS
-from .elements import SCRATCH, STRETCH, U_N, W_RATE, superpose_octet, transform, weigh
+from .elements import SCRATCH, STRETCH, U_N, superpose_change, transform, weigh
 
 LAG_AMPLITUDE = 0.026452, 0.134339, 0.259403, 0.079806
 LAG_EXPONENT = 0.008958, 0.062834, 0.219862, 0.719731
@@ -83,8 +83,8 @@ def lag(flow: View, b):
     """lambda and kappa, which give the next deficiency `-sum X_m = (lambda - 1) w + kappa`."""
     kept, known = 1.0, 0.0
     for m in ti.static(range(4)):
-        whole = ti.exp(-LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
-        half = LAG_AMPLITUDE[m] * ti.exp(-0.5 * LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
+        decay = ti.exp(-0.5 * LAG_EXPONENT[m] * flow.lag[b, ADVANCE])
+        whole, half = decay * decay, LAG_AMPLITUDE[m] * decay
         flow.lag[b, KEPT + m], flow.lag[b, GAINED + m] = whole, half
         kept -= half
         known += half * flow.lag[b, WASH_BEFORE] - flow.lag[b, m] * whole
@@ -113,8 +113,8 @@ def lift(body: View, flow: View, b, rule, used: View):
         for block in range((flow.elements[b] + 7) // 8):
             velocity = flow.element[b, U_N, block]
             if column == 0:
-                known = superpose_octet(flow.shape, body.q_free, b, RATE, block, modes)
-                velocity += flow.element[b, STRETCH, block] * (known - flow.element[b, W_RATE, block])
+                ahead = superpose_change(flow.shape, body.q_free, body.q_predicted, b, RATE, block, modes)
+                velocity += flow.element[b, STRETCH, block] * ahead
             else:
                 velocity = rule[BETA] * flow.element[b, STRETCH, block] * flow.shape[b, column - 1, block]
             flow.element[b, SCRATCH, block] = velocity
@@ -135,3 +135,10 @@ def operate(flow: View, b, block):
     for m in range(COEFFICIENTS - 1):
         total += flow.loads[b, m, block] * flow.cosine[b, 0, m]
     return total
+
+
+@ti.func
+def suction(flow: View, b):
+    """Force of the leading edge along -e_y."""
+    around = flow.cosine[b, 0, 0]
+    return (1.0 - flow.lag[b, SEPARATED]) * flow.setting[b, elements.SUCTION] * around * around

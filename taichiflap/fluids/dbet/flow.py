@@ -19,15 +19,16 @@ import numpy as np
 from ...case.case import Case
 from ...kernels import linear
 from ...kernels.arrays import array, octet_array, zeros
-from ...kernels.runtime import Floats2, Floats3, Ints1, Ints2, Octets3, View, ti
-from ...march.state import common_modes, most_modes
+from ...kernels.held import held
+from ...kernels.runtime import Floats2, Floats3, Ints1, Ints2, Octet, Octets3, View, ti
+from ...march.state import common_modes, held_body, most_modes
 from ...march.stream import streams
 from ...motion.sampling import PITCH_RATE
 from ...structure.beam import Modes
 from ...structure.chordwise import Profile
 from ...vortex.sum import TINY
 from ..interface import Flow
-from . import added_mass, attached, elements, loads, separated
+from . import added_mass, attached, elements, loads, separated, strips
 from .added_mass import TERMS
 from .attached import ADVANCE, COEFFICIENTS, LAGS, SEPARATED
 from .elements import (
@@ -37,6 +38,7 @@ from .elements import (
     FRICTION,
     HALF_DENSITY,
     LIFTED,
+    PER_AREA,
     POSITION,
     POTENTIAL,
     PRESSURE,
@@ -47,17 +49,22 @@ from .elements import (
     SHEARING,
     SLOPE,
     STRETCH,
+    STRIP,
     TRACTION,
     U_T,
 )
 from .separated import BROADSIDE
 
+HELD = ("element",), ("shape", "shape_slope")
+"""Arrays whose shapes a kernel reads once, see `taichiflap.kernels.held`; holding the others gains nothing."""
+
 Blades = ti.types.argpack(
     elements=Ints1,
-    option=Ints2,  # (case, 4) and (case, 11): see the names of their columns in `elements`
+    option=Ints2,  # (case, 4) and (case, 12): see the names of their columns in `elements`
     setting=Floats2,
     stream=Floats2,  # see `taichiflap.march.stream`
     element=Octets3,  # (case, row, eight elements)
+    strip=Floats3,  # (case, 2 + modes, 2 + modes): see `strips.masses`
     shape=Octets3,  # (case, mode, eight elements): mode shapes at the midpoints, and their slopes
     shape_slope=Octets3,
     sines=Octets3,  # (case, term, eight elements): see `added_mass.table`
@@ -76,10 +83,12 @@ class Uses(NamedTuple):
 
     Attributes:
         extended: whether some case needs more than the paper's model, see `extends`.
+        truncated: whether some case has the truncated speed.
         modes: see `taichiflap.march.state.common_modes`.
     """
 
     extended: bool
+    truncated: bool
     modes: int
 
 
@@ -99,12 +108,14 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
     modes = most_modes(sections)
     element = np.zeros((count, ROWS, most))
     shape, slope = np.zeros((2, count, modes, most))
-    used = Uses(any(map(extends, cases)), common_modes(sections))
+    truncated = any(case.dbet.speed == "truncated" for case in cases)
+    used = Uses(any(map(extends, cases)), truncated, common_modes(sections))
     # The paper's model does not read the tables of the others.
     terms, coefficients, loads_of = (TERMS, COEFFICIENTS, COEFFICIENTS - 1) if used.extended else (1, 1, 1)
     sines, shape_sine = np.zeros((count, terms, most)), np.zeros((count, modes, terms))
     cosines, lifts = np.zeros((count, coefficients, most)), np.zeros((count, loads_of, most))
-    tables = element, shape, slope, sines, shape_sine, cosines, lifts
+    strip = np.zeros((count, 2 + modes, 2 + modes))
+    tables = element, strip, shape, slope, sines, shape_sine, cosines, lifts
     laid: dict[tuple[int, int], int] = {}
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
         # The cases of a study often share their wing.
@@ -118,17 +129,22 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
         element[b, AREA, :n] = elements.areas(case)
         element[b, SHARE, :n] = 1.0 / n
         element[b, STRETCH, :n] = 1.0
+        element[b, PER_AREA, :n] = 1.0 / element[b, AREA, :n]
         shape[b, : section.count, :n], slope[b, : section.count, :n] = section.curves(y)
+        strip[b] = strips.masses(y, element[b, AREA, :n], shape[b, :, :n])
         if used.extended:
             sines[b, :, :n] = added_mass.table(case)
             shape_sine[b] = (shape[b, :, None] * sines[b]).sum(axis=2)
             cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(n), attached.loads(n)
+    settings = np.array([_settings(case) for case in cases])
+    strip *= settings[:, STRIP, None, None]
     blades = Blades(
         elements=array([case.dbet.elements for case in cases]),
         option=array([_options(case) for case in cases]),
-        setting=array([_settings(case) for case in cases], float),
+        setting=array(settings),
         stream=streams(cases, [case.dbet.elements for case in cases]),
         element=octet_array(element),
+        strip=array(strip),
         shape=octet_array(shape),
         shape_slope=octet_array(slope),
         sines=octet_array(sines),
@@ -160,9 +176,10 @@ def _settings(case: Case) -> list[float]:
     return [
         0.5 * density,
         math.pi * density * (chord if dbet.added_mass == "strip" else 0.0) / 4.0,
-        polar.lift_max,
-        polar.drag_min,
-        polar.drag_max,
+        0.5 * density * (polar.drag_min + 2.0 * polar.lift_max),
+        0.5 * density * polar.drag_max,
+        0.5 * density * polar.drag_min,
+        0.5 * density * (polar.drag_max - 2.0 * polar.lift_max),
         dbet.rotation * 0.25 * math.pi * density * chord,
         dbet.suction * math.pi * density * chord * Profile.of(case.wing.span).mean,
         *map(math.radians, dbet.stall_deg),
@@ -191,8 +208,10 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
         if ti.static(used.extended):
             if share < 1.0:
                 u_t = flow.element[b, U_T, block]
-                along = ti.sqrt(u_t * u_t)
-                friction = flow.setting[b, FRICTION] * ti.sqrt(along) * u_t
+                along = ti.max(u_t, -1.0 * u_t)
+                friction = Octet(0.0)
+                if flow.setting[b, FRICTION] > 0.0:
+                    friction = flow.setting[b, FRICTION] * ti.sqrt(along) * u_t
                 shearing = share * flow.element[b, SHEARING, block] + (1.0 - share) * friction
                 lifted = (1.0 - share) * 2.0 * math.pi * flow.setting[b, HALF_DENSITY]
                 flow.element[b, SHEARING, block] = shearing
@@ -202,22 +221,26 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
 @ti.func
 def prepare(batch: View, b, n, rule, used: View):
     """Modal force of step `n`."""
-    mean_n, mean_t = separated.linearise(batch.body, batch.flow, b, n, used)
+    body = ti.static(held_body(batch.body, used.modes))
+    flow = ti.static(held(batch.flow, *HELD))
+    mean_n, mean_t = separated.linearise(body, flow, b, n, used)
     if ti.static(used.extended):
-        blend(batch.body, batch.flow, b, n, mean_n, mean_t, used)
+        blend(body, flow, b, n, mean_n, mean_t, used)
     if ti.static(used.extended):
-        if batch.flow.option[b, POTENTIAL] == 1:
-            added_mass.flux_rates(batch.body, batch.flow, b, n, rule, used)
+        if flow.option[b, POTENTIAL] == 1:
+            added_mass.flux_rates(body, flow, b, n, rule, used)
     if ti.static(used.extended):
-        if batch.flow.option[b, ATTACHED] == 1:
-            attached.lift(batch.body, batch.flow, b, rule, used)
-    loads.load_modes(batch.body, batch.flow, b, rule, used)
+        if flow.option[b, ATTACHED] == 1:
+            attached.lift(body, flow, b, rule, used)
+    loads.load_modes(body, flow, b, n, rule, used)
 
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
     """Forces of step `n` at the known modal acceleration."""
-    loads.sum_forces(batch.body, batch.flow, b, n, used)
+    body = ti.static(held_body(batch.body, used.modes))
+    flow = ti.static(held(batch.flow, *HELD))
+    loads.sum_forces(body, flow, b, n, used, ti.static("output" in batch.keys))
 
 
 @ti.func

@@ -11,24 +11,23 @@ frame those of the bent wing, of slope `s = sum_k phi'_k q_k`.
 """
 
 from ...kernels.runtime import Octet, View, ti
-from ...march.state import AMPLITUDE, COSINE, RATE, SINE, modes_of, pivot_heave, pivot_velocity
+from ...march.state import AMPLITUDE, COSINE, RATE, SINE, modes_of, pivot_velocity
 from ...march.stream import KIND, carry_gust, gust_at_octet
-from ...motion.sampling import PITCH_ACCEL, PITCH_RATE, PLUNGE, SURGE
+from ...motion.sampling import PITCH_RATE, PLUNGE, SURGE
 from ...vortex.sum import TINY
 from .elements import (
+    AXIAL_N,
+    AXIAL_T,
     DEFORMED,
-    DRAG_MAX,
-    DRAG_MIN,
-    E_Y,
-    FLUX_RATE,
     GUST,
     GUST_BEFORE,
     GUST_BEFORE_THAT,
-    HALF_DENSITY,
+    GUST_Y,
+    GUST_Z,
     LEAN,
-    LIFT_MAX,
+    NORMAL_N,
+    NORMAL_T,
     POSITION,
-    R_Z,
     SHARE,
     SHEARING,
     SLOPE,
@@ -37,8 +36,8 @@ from .elements import (
     TRUNCATED,
     U_N,
     U_T,
-    W_RATE,
     WING_Y,
+    add_up,
     superpose_octet,
 )
 
@@ -49,51 +48,52 @@ edges, to avoid a jump at stroke reversal.
 
 
 @ti.func
+def inverse_speed(u_t, u_n):
+    """1/U of eight elements."""
+    return 1.0 / ti.sqrt(u_t * u_t + u_n * u_n + TINY)
+
+
+@ti.func
 def normal_force(flow: View, b, u_t, u_n):
     """Force per area along -n of eight elements (Eqs 17-24; the coefficients stay inside the integral)."""
-    across = (flow.setting[b, DRAG_MIN] + 2.0 * flow.setting[b, LIFT_MAX]) * u_t * u_t
-    across += flow.setting[b, DRAG_MAX] * u_n * u_n
-    return flow.setting[b, HALF_DENSITY] * u_n * across / ti.sqrt(u_t * u_t + u_n * u_n + TINY)
+    across = flow.setting[b, NORMAL_T] * (u_t * u_t) + flow.setting[b, NORMAL_N] * (u_n * u_n)
+    return u_n * (across * inverse_speed(u_t, u_n))
 
 
 @ti.func
 def normal_slope(flow: View, b, u_t, u_n):
     """Derivative of the normal force per area by `u_n`."""
-    speed2 = u_t * u_t + u_n * u_n + TINY
-    across = (flow.setting[b, DRAG_MIN] + 2.0 * flow.setting[b, LIFT_MAX]) * u_t * u_t
-    across += flow.setting[b, DRAG_MAX] * u_n * u_n
-    change = across * u_t * u_t / speed2 + 2.0 * flow.setting[b, DRAG_MAX] * u_n * u_n
-    return flow.setting[b, HALF_DENSITY] * change / ti.sqrt(speed2)
+    inverse = inverse_speed(u_t, u_n)
+    broadside = flow.setting[b, NORMAL_N] * (u_n * u_n)
+    across = flow.setting[b, NORMAL_T] * (u_t * u_t) + broadside
+    return (across * inverse * (u_t * u_t * inverse) + 2.0 * broadside) * inverse
 
 
 @ti.func
 def normal_slope_along(flow: View, b, u_t, u_n):
     """Derivative of the normal force per area by `u_t`."""
-    speed2 = u_t * u_t + u_n * u_n + TINY
-    along = flow.setting[b, DRAG_MIN] + 2.0 * flow.setting[b, LIFT_MAX]
-    across = along * u_t * u_t + flow.setting[b, DRAG_MAX] * u_n * u_n
-    return flow.setting[b, HALF_DENSITY] * u_n * u_t * (2.0 * along - across / speed2) / ti.sqrt(speed2)
+    inverse = inverse_speed(u_t, u_n)
+    across = flow.setting[b, NORMAL_T] * (u_t * u_t) + flow.setting[b, NORMAL_N] * (u_n * u_n)
+    return u_n * inverse * (2.0 * flow.setting[b, NORMAL_T] * u_t - across * inverse * (u_t * inverse))
 
 
 @ti.func
 def axial_force(flow: View, b, u_t, u_n):
     """Force per area along -t: `dD cos A - dL sin A` (Eq. 23 prints cos A twice)."""
-    along = flow.setting[b, DRAG_MIN] * u_t * u_t
-    along += (flow.setting[b, DRAG_MAX] - 2.0 * flow.setting[b, LIFT_MAX]) * u_n * u_n
-    return flow.setting[b, HALF_DENSITY] * u_t * along / ti.sqrt(u_t * u_t + u_n * u_n + TINY)
+    along = flow.setting[b, AXIAL_T] * (u_t * u_t) + flow.setting[b, AXIAL_N] * (u_n * u_n)
+    return u_t * (along * inverse_speed(u_t, u_n))
 
 
 @ti.func
 def kept_share(r_y, r_z, e_y, e_z):
     """Fraction of the squared speed `|r + e|^2` kept in the paper's Eqs 21-22, which omit the elastic `|e|^2`."""
-    u_y = r_y + e_y
-    u_z = r_z + e_z
-    return (r_y * r_y + r_z * r_z + 2.0 * (r_y * e_y + r_z * e_z)) / (u_y * u_y + u_z * u_z + TINY)
+    inverse = inverse_speed(r_y + e_y, r_z + e_z)
+    return (r_y * r_y + r_z * r_z + 2.0 * (r_y * e_y + r_z * e_z)) * inverse * inverse
 
 
 @ti.func
 def gust_past(body: View, flow: View, b, n, block, w):
-    """Velocity of the gust along e_y and e_z at eight elements; stores its flux through them."""
+    """Set the velocity of the gust along e_y and e_z at eight elements, and its flux through them."""
     cosine = body.motion[b, n, COSINE]
     sine = body.motion[b, n, SINE]
     y = flow.element[b, POSITION, block]
@@ -105,7 +105,19 @@ def gust_past(body: View, flow: View, b, n, block, w):
     flow.element[b, GUST_BEFORE_THAT, block] = flow.element[b, GUST_BEFORE, block]
     flow.element[b, GUST_BEFORE, block] = flow.element[b, GUST, block]
     flow.element[b, GUST, block] = flow.element[b, LEAN, block] * g_y - g_z
-    return g_y, g_z
+    flow.element[b, GUST_Y, block], flow.element[b, GUST_Z, block] = g_y, g_z
+
+
+@ti.func
+def rigid_velocity(flow: View, b, block, w, p_z, theta_rate, used: View):
+    """u_z of eight elements without the elastic rate, and u_y without the pivot's part."""
+    r_z = p_z + flow.element[b, POSITION, block] * theta_rate
+    e_y = w * -theta_rate
+    if ti.static(used.extended):
+        if flow.stream[b, KIND] > 0.0:
+            r_z = r_z - flow.element[b, GUST_Z, block]
+            e_y = e_y - flow.element[b, GUST_Y, block]
+    return r_z, e_y
 
 
 @ti.func
@@ -123,27 +135,21 @@ def linearise(body: View, flow: View, b, n, used: View):
     Returns the means over the chord of u_n and u_t, zero where `blend` does not need them.
     """
     modes = modes_of(body, b, used.modes)
-    heave = pivot_heave(body, b, n)
     p_y, p_z = pivot_velocity(body, flow.stream, b, n)
     theta_rate = body.motion[b, n, PITCH_RATE]
-    theta_accel = body.motion[b, n, PITCH_ACCEL]
     mean_n = Octet(0.0)
     mean_t = Octet(0.0)
     carry_gust(flow.stream, b, n * body.dt[b])
     for block in range((flow.elements[b] + 7) // 8):
-        y = flow.element[b, POSITION, block]
         w = superpose_octet(flow.shape, body.q_predicted, b, AMPLITUDE, block, modes)
         w_rate = superpose_octet(flow.shape, body.q_predicted, b, RATE, block, modes)
-        r_z = p_z + y * theta_rate
-        e_y = w * -theta_rate
         if ti.static(used.extended):
-            flow.element[b, WING_Y, block] = p_y + e_y
+            flow.element[b, WING_Y, block] = p_y - w * theta_rate
             if flow.option[b, DEFORMED] == 1:
                 lean(body, flow, b, block, modes)
             if flow.stream[b, KIND] > 0.0:
-                g_y, g_z = gust_past(body, flow, b, n, block, w)
-                r_z = r_z - g_z
-                e_y = e_y - g_y
+                gust_past(body, flow, b, n, block, w)
+        r_z, e_y = rigid_velocity(flow, b, block, w, p_z, theta_rate, used)
         u_y = p_y + e_y
         u_z = r_z + w_rate
         u_t, u_n = u_y, u_z
@@ -158,18 +164,16 @@ def linearise(body: View, flow: View, b, n, used: View):
             if flow.option[b, DEFORMED] == 1:
                 turned = slope + flow.element[b, LEAN, block] * normal_slope_along(flow, b, u_t, u_n)
                 slope = flow.element[b, STRETCH, block] * turned
-        if flow.option[b, TRUNCATED] == 1:
-            kept = kept_share(p_y, r_z, e_y, w_rate)
-            slope = kept * slope + traction * 2.0 * (r_z - kept * u_z) / (u_y * u_y + u_z * u_z + TINY)
-            traction = kept * traction
-        flow.element[b, R_Z, block] = r_z
-        flow.element[b, E_Y, block] = e_y
-        flow.element[b, W_RATE, block] = w_rate
+        if ti.static(used.truncated):
+            if flow.option[b, TRUNCATED] == 1:
+                kept = kept_share(p_y, r_z, e_y, w_rate)
+                inverse = inverse_speed(u_y, u_z)
+                slope = kept * slope + traction * 2.0 * (r_z - kept * u_z) * inverse * inverse
+                traction = kept * traction
         flow.element[b, TRACTION, block] = traction
         flow.element[b, SLOPE, block] = slope
-        flow.element[b, FLUX_RATE, block] = heave + y * theta_accel - w * (theta_rate * theta_rate)
         if ti.static(used.extended):
             flow.element[b, U_N, block], flow.element[b, U_T, block] = u_n, u_t
             mean_n += flow.element[b, SHARE, block] * u_n
             mean_t += flow.element[b, SHARE, block] * u_t
-    return mean_n.sum(), mean_t.sum()
+    return add_up(mean_n), add_up(mean_t)
