@@ -61,7 +61,7 @@ def derive(case: Case, section: Modes, nodes: Array, motion: Array, frames: dict
     """
     state = frames["q"]
     series = Series.of(case, section, motion, frames)
-    moved = series.moved[:, 0]  # a copy, whatever becomes of the march
+    moved = series.moved[:, 0]
     at = frames["field_step"]
     # The steps of a block follow each other.
     rows = at - (frames["step"][0] if len(at) else 0)

@@ -46,7 +46,7 @@ from .state import (
 )
 
 Track = ti.types.argpack(modes=Floats4, force=Floats3)
-"""History of every case: modal state and modal force, shape (case, step, 4, mode); and forces, shape (case, step, 4).
+"""History of every case: modal state and modal force, shape (case, 4, mode, step); and forces, shape (case, 4, step).
 """
 
 MODAL_FORCE = 3
@@ -152,10 +152,10 @@ def track_step(body: View, track: View, b, row, known: View):
         for k in range(modes):
             force += body.response[b, j, k] * body.q[b, ACCEL, k]
         for k in range(3):
-            track.modes[b, row, k, j] = body.q[b, k, j]
-        track.modes[b, row, MODAL_FORCE, j] = force
+            track.modes[b, k, j, row] = body.q[b, k, j]
+        track.modes[b, MODAL_FORCE, j, row] = force
     for c in range(4):
-        track.force[b, row, c] = body.force[b, c]
+        track.force[b, c, row] = body.force[b, c]
 
 
 _kernels: dict[Any, Any] = {}
@@ -245,7 +245,7 @@ class March:
         self.fluid = fluid
         self.sections = [beam.modes(case.wing) for case in self.cases]
         self._spare = spare or Spare()
-        motions = bodies.sample_motions(self.cases, self._spare)
+        motions, self.columns = bodies.sample_motions(self.cases, self._spare)
         self.motion = view(motions)
         self.body = bodies.allocate(self.cases, self.sections, motions)
         self.flow = fluid.flow(self.cases, self.sections, self.body, threads)
@@ -275,15 +275,33 @@ class March:
             series of the fluid model, with the step as leading axis; `field_step`, the steps of its frames; and the
             fields, with the frame as leading axis. Ragged fields are concatenated over frames.
         """
+        return self._collect(*self._advance(steps))
+
+    @runtime.exclusive
+    def advance_study(self, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """March as `advance` does, without outputs of the fluid model, for a study.
+
+        Returns:
+            Modal state and modal force of all cases, shape (4, modes, cases, steps), and forces, shape (4, cases,
+            steps). Modes that a case has not, and steps after it has ended or failed, may hold anything. Those of the
+            last steps are the march's own memory.
+        """
+        first, last = self._advance(steps)
+        taken = np.asarray if self.done else np.copy
+        modes, force = (view(one)[..., : last - first] for one in (self._track.modes, self._track.force))
+        return taken(modes.transpose(1, 2, 0, 3)), taken(force.transpose(1, 0, 2))
+
+    def _advance(self, steps: int) -> tuple[int, int]:
+        """First step and last step + 1 that were taken."""
         runtime.check(self._runtime)
         first, last = self.next_step, min(self.next_step + steps, self.steps + 1)
-        frames = [case.frames(last) - case.frames(first) for case in self.cases]
-        self._make_room(max(1, last - first), max(1, *frames))
+        frames = [case.frames(last) - case.frames(first) for case in self.cases] if self._stores else []
+        self._make_room(max(1, last - first), max(1, *frames, 1))
         if first < last or self._kernel not in _launched:
             self._march(first, last)
             _launched.add(self._kernel)
         self.next_step = last
-        return self._collect(first, last)
+        return first, last
 
     def state(self, b: int) -> dict[str, np.ndarray]:
         """State of a case, arrays with a case axis of length one, valid until the next `advance`."""
@@ -380,8 +398,8 @@ class March:
         self._room = steps, frames = max(steps, self._room[0]), max(frames, self._room[1])
         count, _, most = self.body.q.shape
         self._track = Track(
-            modes=self._spare.take(count, steps, 4, most),
-            force=self._spare.take(count, steps, 4),
+            modes=self._spare.take(count, 4, most, steps),
+            force=self._spare.take(count, 4, steps),
         )
         output: dict[str, Any] = {}
         if self._stores:
@@ -395,18 +413,17 @@ class March:
     def _collect(self, first: int, last: int) -> list[dict[str, np.ndarray]]:
         modes, force = view(self._track.modes), view(self._track.force)
         failed = self.failures()
-        # Without outputs the arrays of the last steps are the march's own.
-        taken = np.copy if self._stores or not self.done else np.asarray
         collected = []
         for b, (case, section) in enumerate(zip(self.cases, self.sections, strict=True)):
             end = max(first, min(last, case.steps + 1, failed[b] if failed[b] >= 0 else last))
             steps, frames = end - first, np.arange(case.frames(first), case.frames(end))
-            own = modes[b, :steps, :, : section.count]
+            # The steps of a number remain together in memory.
+            own = np.moveaxis(modes[b, :, : section.count, :steps], -1, 0)
             found = {
                 "step": np.arange(first, end),
-                "q": taken(own[:, :MODAL_FORCE]),
-                "modal_force": taken(own[:, MODAL_FORCE]),
-                "force": taken(force[b, :steps]),
+                "q": np.copy(own[:, :MODAL_FORCE]),
+                "modal_force": np.copy(own[:, MODAL_FORCE]),
+                "force": np.copy(force[b, :, :steps].T),
             }
             if self._stores:
                 found["field_step"] = case.step_of(frames)

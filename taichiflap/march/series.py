@@ -42,21 +42,23 @@ class Series:
     Args:
         cases: either all in a free stream or none, and likewise with something that moves; all of as many modes.
         sections: their modes.
-        motion: as a march samples it, shape (cases, steps, COLUMNS), or of one case if they share it.
+        moved: columns of the motion, see `taichiflap.march.state`, shape (COLUMNS, cases, steps), or (COLUMNS, 1,
+            steps) if the cases share it.
         steps: numbers of the steps, which follow each other.
-        q: amplitude, rate and acceleration of the modes, shape (cases, steps, 3, modes).
-        modal_force: shape (cases, steps, modes).
-        force: shape (cases, steps, 4), see `taichiflap.march.state`.
+        state: amplitudes, rates and accelerations of the modes, shape (3, modes, cases, steps).
+        modal_force: shape (modes, cases, steps).
+        loads: columns of the force, see `taichiflap.march.state`, shape (4, cases, steps).
         scales: the reference values of the cases, if they are known.
     """
 
     def __init__(
-        self, cases: Sequence[Case], sections: Sequence[Modes], motion: Array, steps: NDArray[np.int64], q: Array,
-        modal_force: Array, force: Array, scales: Sequence[Reference] | None = None,
+        self, cases: Sequence[Case], sections: Sequence[Modes], moved: Array, steps: NDArray[np.int64], state: Array,
+        modal_force: Array, loads: Array, scales: Sequence[Reference] | None = None,
     ) -> None:  # fmt: skip
         self.cases, self.sections = cases, sections
         self.scales = [reference(case) for case in cases] if scales is None else scales
-        self._motion, self._steps, self._q, self._modal_force, self._force = motion, steps, q, modal_force, force
+        self.moved, self.state, self.loads = moved, state, loads
+        self._steps, self._modal_force = steps, modal_force
 
     @classmethod
     def of(cls, case: Case, section: Modes, motion: Array, frames: Mapping[str, Any]) -> "Series":
@@ -67,9 +69,10 @@ class Series:
             frames: arrays that `March.advance` returned for the case.
         """
         steps = frames["step"]
-        moved = motion[steps[0] : steps[-1] + 1] if len(steps) else motion[:0]
-        state = (frames[name][None] for name in ("q", "modal_force", "force"))
-        return cls([case], [section], moved[None], steps, *state)
+        # A copy, whatever becomes of the march.
+        moved = np.array((motion[steps[0] : steps[-1] + 1] if len(steps) else motion[:0]).T, order="C")[:, None]
+        state = (np.moveaxis(frames[name], 0, -1)[..., None, :] for name in ("q", "modal_force", "force"))
+        return cls([case], [section], moved, steps, *state)
 
     @property
     def variables(self) -> list[str]:
@@ -87,25 +90,10 @@ class Series:
 
     def at(self, places: Sequence[int]) -> "Series":
         """The variables at some of the steps."""
-        motion, q, modal_force, force = (
-            values[:, places] for values in (self._motion, self._q, self._modal_force, self._force)
+        moved, state, modal_force, loads = (
+            values[..., places] for values in (self.moved, self.state, self._modal_force, self.loads)
         )
-        return Series(self.cases, self.sections, motion, self._steps[places], q, modal_force, force, self.scales)
-
-    @functools.cached_property
-    def moved(self) -> Array:
-        """Columns of the motion, shape (COLUMNS, cases, steps), or (COLUMNS, 1, steps) if the cases share it."""
-        return np.array(np.moveaxis(self._motion, -1, 0), order="C")
-
-    @functools.cached_property
-    def state(self) -> Array:
-        """Amplitudes, rates and accelerations, shape (3, modes, cases, steps)."""
-        return np.ascontiguousarray(self._q.transpose(2, 3, 0, 1))
-
-    @functools.cached_property
-    def loads(self) -> Array:
-        """Columns of the force, shape (4, cases, steps)."""
-        return np.ascontiguousarray(np.moveaxis(self._force, -1, 0))
+        return Series(self.cases, self.sections, moved, self._steps[places], state, modal_force, loads, self.scales)
 
     @functools.cached_property
     def section(self) -> Any:
@@ -202,7 +190,7 @@ class Series:
     def power_net(self) -> Array:
         """Inertial power and the fluid's power on the deformation, less what damping dissipates."""
         rates = self.state[RATE]
-        by_fluid = summed(np.ascontiguousarray(self._modal_force.transpose(2, 0, 1)) * rates)
+        by_fluid = summed(self._modal_force * rates)
         damped = weighted(2.0 * self.section.damping_ratio * self.section.omega, rates * rates)
         return self.power_inertial + by_fluid - damped
 
@@ -247,7 +235,8 @@ def inertial_power(section: Any, motion: Array, state: Array) -> Array:
     """Inertial power (W) of the actuator at the pivot, shape (...).
 
     The generalised inertia forces of plunge, pitch and surge are Lagrange's, from the kinetic energy of the paper's
-    Appendix A (whose T6 lacks its factor thetadot) with surge added, times the rates.
+    Appendix A (whose T6 lacks its factor thetadot) with surge added, times the rates. They are written in the wing's
+    axes, so that what depends on the motion alone is computed once for cases that share it.
 
     Args:
         section: the modes, see `Series.section`.
@@ -256,20 +245,18 @@ def inertial_power(section: Any, motion: Array, state: Array) -> Array:
     """
     _, rate, accel, _, theta_rate, theta_accel, _, surge_rate, surge_accel, cosine, sine = motion
     q, q_rate, q_accel = state
-    lifted, lifted_rate, lifted_accel = (weighted(section.lam, row) for row in (q, q_rate, q_accel))
-    across, ahead = theta_accel * cosine - theta_rate**2 * sine, theta_accel * sine + theta_rate**2 * cosine
-    along = section.mass * accel + section.first_moment * across
-    along += cosine * lifted_accel - 2.0 * theta_rate * sine * lifted_rate
-    along -= ahead * lifted
-    around = (section.second_moment + summed(q * q)) * theta_accel + 2.0 * theta_rate * summed(q * q_rate)
-    around += accel * (section.first_moment * cosine - sine * lifted) + weighted(section.psi, q_accel)
-    if not surges(motion):
-        return along * rate + around * theta_rate
-    around -= surge_accel * (section.first_moment * sine + cosine * lifted)
-    down = section.mass * surge_accel - section.first_moment * ahead
-    down -= sine * lifted_accel + 2.0 * theta_rate * cosine * lifted_rate
-    down -= across * lifted
-    return along * rate + around * theta_rate + down * surge_rate
+    across, along = cosine * rate - sine * surge_rate, sine * rate + cosine * surge_rate
+    across_accel, along_accel = cosine * accel - sine * surge_accel, sine * accel + cosine * surge_accel
+    turning = theta_rate**2
+    power = section.mass * (rate * accel + surge_rate * surge_accel)
+    power += section.first_moment * (theta_accel * across - turning * along + theta_rate * across_accel)
+    power += (section.second_moment + summed(q * q)) * (theta_rate * theta_accel)
+    power += summed(q * q_rate) * (2.0 * turning)
+    power += weighted(section.lam, q_accel) * across
+    power += weighted(section.psi, q_accel) * theta_rate
+    power -= weighted(section.lam, q_rate) * (2.0 * theta_rate * along)
+    power -= weighted(section.lam, q) * (theta_accel * along + turning * across + theta_rate * along_accel)
+    return power
 
 
 def surges(motion: Array) -> bool:
@@ -284,16 +271,13 @@ def mechanical_energy(section: Any, motion: Array, state: Array) -> Array:
     """
     _, rate, _, _, theta_rate, _, _, surge_rate, _, cosine, sine = motion
     q, q_rate, _ = state
-    kinetic = 0.5 * (section.mass * rate**2 + section.second_moment * theta_rate**2 + summed(q_rate * q_rate))
-    kinetic += 0.5 * theta_rate**2 * summed(q * q)
-    kinetic += section.first_moment * rate * theta_rate * cosine
-    kinetic += rate * (cosine * weighted(section.lam, q_rate) - theta_rate * sine * weighted(section.lam, q))
-    kinetic += theta_rate * weighted(section.psi, q_rate)
-    turned = section.first_moment * sine + cosine * weighted(section.lam, q)
-    kinetic += surge_rate * (
-        0.5 * section.mass * surge_rate - theta_rate * turned - sine * weighted(section.lam, q_rate)
-    )
-    return kinetic + 0.5 * weighted(section.omega**2, q * q)
+    across, along = cosine * rate - sine * surge_rate, sine * rate + cosine * surge_rate
+    twice = section.mass * (rate**2 + surge_rate**2) + (section.second_moment + summed(q * q)) * theta_rate**2
+    twice += summed(q_rate * q_rate) + weighted(section.omega**2, q * q)
+    energy = 0.5 * twice + section.first_moment * (theta_rate * across)
+    energy += weighted(section.lam, q_rate) * across + weighted(section.psi, q_rate) * theta_rate
+    energy -= weighted(section.lam, q) * (theta_rate * along)
+    return energy
 
 
 def weighted(weights: Array, modes: Array) -> Array:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..kernels.arrays import Spare, array, zeros
@@ -62,27 +63,31 @@ GIVEN = ("motion",)
 """Arrays determined by the case alone; they are not part of a march's state."""
 
 
-def sample_motions(cases: Sequence[Case], spare: Spare) -> Any:
-    """The motion of every case at all its steps, an array of Taichi of shape (cases, steps + 1, COLUMNS): see `COSINE`.
+def sample_motions(cases: Sequence[Case], spare: Spare) -> tuple[Any, list[NDArray[np.float64]]]:
+    """The motion of every case at all its steps, see `COSINE`.
 
-    It is at rest after a case's last step.
+    Returns:
+        An array of Taichi, shape (cases, steps + 1, COLUMNS), at rest after a case's last step; and the same of each
+        case, shape (COLUMNS, steps + 1), one array for cases with the same motion.
     """
     longest = max(case.steps for case in cases) + 1
     made = spare.take(len(cases), longest, COLUMNS)
-    sampled: dict[Any, Any] = {}
+    sampled: dict[Any, tuple[Any, NDArray[np.float64]]] = {}
+    columns = []
     for moving, case in zip(view(made), cases, strict=True):
         moves, count = case.motion, case.steps + 1
         how = moves.frequency, moves.growth, case.step, count
         # The cases of a study share their motion, if it is not what varies; to copy it takes a tenth of the time.
-        known = sampled.setdefault((id(moves), *how), moving)
-        if known is not moving:
-            moving[:] = known
-            continue
-        for axis, first in ((moves.plunge, PLUNGE), (moves.pitch, PITCH), (moves.surge, SURGE)):
-            moving[:count, first : first + 3] = sampling.axis_at_steps(axis, *how)
-        moving[:count, COSINE:] = sampling.turned_at_steps(moves.pitch, *how)
-        moving[count:] = 0.0
-    return made
+        known = sampled.get((id(moves), *how))
+        if known is not None:
+            moving[:] = known[0]
+        else:
+            axes = [sampling.axis_at_steps(axis, *how) for axis in (moves.plunge, moves.pitch, moves.surge)]
+            own = np.concatenate([one.T for one in (*axes, sampling.turned_at_steps(moves.pitch, *how))])
+            moving[:count], moving[count:] = own.T, 0.0
+            known = sampled[(id(moves), *how)] = moving, own
+        columns.append(known[1])
+    return made, columns
 
 
 def allocate(cases: Sequence[Case], sections: Sequence[beam.Modes], motions: Any) -> Any:

@@ -13,7 +13,7 @@ from ..kernels.arrays import Spare
 from ..kernels.runtime import available_threads
 from ..maps.design import Design
 from ..maps.outcome import Outcome
-from ..march.march import March
+from ..march.march import MODAL_FORCE, March
 from ..march.reference import Reference, reference
 from ..march.series import Series
 from ..metrics.names import SERIES, measure
@@ -137,14 +137,15 @@ def compute(
     with fluids.blamed(cases[0].solver):
         march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False, room=steps, spare=spare)
         march.advance(0)
-    blocks: list[list[dict[str, np.ndarray]]] = []
+    blocks = []
     while not march.done:
-        blocks.append(march.advance(steps))
+        blocks.append(march.advance_study(steps))
         if progress:
             progress(min(march.next_step / (march.steps + 1), 1.0))
+    track = blocks[0] if len(blocks) == 1 else tuple(np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
     outcomes = {b: Outcome(reason=march.reason(int(b))) for b in np.flatnonzero(march.failures() >= 0).tolist()}
     for members, scales in _alike(march, [b for b in range(len(cases)) if b not in outcomes]):
-        run = _series(march, members, scales, blocks)
+        run = _series(march, members, scales, *track)
         kept = [name for name in ("time", *SERIES) if name in run.variables] if keep_series else []
         for i, (b, found) in enumerate(zip(members, measure(run, metrics), strict=True)):
             outcomes[b] = Outcome(found, {name: getattr(run, name)[i] for name in kept})
@@ -176,24 +177,16 @@ def _motions(march: March, members: Iterable[int]) -> set[int]:
 
 
 def _series(
-    march: March, members: Sequence[int], scales: Sequence[Reference], blocks: Sequence[Sequence[Any]]
+    march: March, members: Sequence[int], scales: Sequence[Reference], modes: np.ndarray, force: np.ndarray
 ) -> Series:
-    """The series of some cases of a batch, which `march.advance` gave in blocks."""
+    """The series of some cases of a batch, of what `March.advance_study` gave."""
     cases, sections = [march.cases[b] for b in members], [march.sections[b] for b in members]
-    steps = np.arange(cases[0].steps + 1)
-    own = members[:1] if len(_motions(march, members)) == 1 and len({case.step for case in cases}) == 1 else members
-    found = {name: _joined(name, members, blocks) for name in ("q", "modal_force", "force")}
-    return Series(cases, sections, march.motion[own, : len(steps)], steps, **found, scales=scales)
-
-
-def _joined(name: str, members: Sequence[int], blocks: Sequence[Sequence[Any]]) -> np.ndarray:
-    """An array of some cases over all blocks, shape (cases, steps, ...), whose steps follow each other in memory."""
-    shape = blocks[0][members[0]][name].shape[1:]
-    found = np.empty((*shape, len(members), sum(len(block[members[0]][name]) for block in blocks)))
-    first = 0
-    for block in blocks:
-        last = first + len(block[members[0]][name])
-        for i, b in enumerate(members):
-            found[..., i, first:last] = np.moveaxis(block[b][name], 0, -1)
-        first = last
-    return np.moveaxis(found, (-2, -1), (0, 1))
+    steps, count = np.arange(cases[0].steps + 1), sections[0].count
+    columns = [march.columns[b] for b in members]
+    shared = all(one is columns[0] for one in columns)
+    # Cases that follow each other need no copy.
+    together = members[-1] - members[0] == len(members) - 1
+    own = slice(members[0], members[-1] + 1) if together else list(members)
+    modes, force = modes[:, :count, own, : len(steps)], force[:, own, : len(steps)]
+    moved = columns[0][:, None] if shared else np.stack(columns, axis=1)
+    return Series(cases, sections, moved, steps, modes[:MODAL_FORCE], modes[MODAL_FORCE], force, scales)
