@@ -504,7 +504,7 @@ def test_what_is_defined_nowhere_in_a_summary_is_not_offered_and_the_rest_is():
     for settings in ((), ("fluid.velocity=[1.0, 0.5]",), ("fluid.density=0.0",)):
         case = hawkmoth("time.periods=4", *settings)
         made = synthetic(case, **dict.fromkeys(("power", "force_y", "force_z", "tip_deflection"), np.cos))
-        (values,) = quantities.measure(metrics.Alone(made), list(quantities.METRICS))
+        (values,) = quantities.measure([metrics.Alone(made)], list(quantities.METRICS))
         known = {name for name, value in values.items() if np.isfinite(value)}
         assert known <= set(quantities.choose((), [case]))
 
@@ -513,7 +513,7 @@ def test_lift_per_power_is_of_the_lift_in_a_stream_and_of_the_vertical_force_in_
     forces = {"force_z": lambda t: np.full_like(t, 3.0), "force_vertical": lambda t: np.full_like(t, 5.0)}
     for settings, lift in ((("fluid.velocity=[2.0, 0.0]",), 3.0), ((), 5.0)):
         made = synthetic(hawkmoth("time.periods=4", *settings), power=lambda t: np.full_like(t, 0.5), **forces)
-        (found,) = quantities.measure(metrics.Alone(made), ["lift_per_power"])
+        (found,) = quantities.measure([metrics.Alone(made)], ["lift_per_power"])
         assert found["lift_per_power"] == pytest.approx(lift / 0.5)
 
 

@@ -142,7 +142,7 @@ def test_harmonics_are_those_of_a_known_series(case):
     known = 3.0 + 2.0 * np.cos(turn + 0.5) + 0.25 * np.cos(3 * turn - 1.0)
     series = {name: np.zeros_like(time) for name in quantities.SERIES} | {"force_normal": known}
     run = SimpleNamespace(case=case, variables=list(series), time=time, **series)
-    (found,) = quantities.measure(metrics.Alone(run), quantities.choose([]))
+    (found,) = quantities.measure([metrics.Alone(run)], quantities.choose([]))
     for name, value in {
         "force_normal_mean": 3.0,
         "force_normal_harmonic_1": 2.0,

@@ -43,9 +43,14 @@ class Beats:
         """The beats without the first ones."""
         return Beats(self.edges[count:])
 
+    def sums(self, values: Array) -> Array:
+        """Sum over each beat, along the last axis; shape (..., beats)."""
+        found: Array = np.add.reduceat(values[..., : self.edges[-1]], self.edges[:-1], axis=-1)
+        return found
+
     def means(self, values: Array) -> Array:
         """Mean over each beat, along the last axis; shape (..., beats)."""
-        return np.add.reduceat(values[..., : self.edges[-1]], self.edges[:-1], axis=-1) / np.diff(self.edges)
+        return self.sums(values) / np.diff(self.edges)
 
     def peaks(self, values: Array) -> Array:
         """Largest magnitude in each beat, along the last axis; shape (..., beats)."""
@@ -57,8 +62,7 @@ class Beats:
 
     def squares(self, force_y: Array, force_z: Array) -> Array:
         """Sum over each beat of the squared force, N^2, shape (..., beats)."""
-        found: Array = np.add.reduceat((force_y**2 + force_z**2)[..., : self.edges[-1]], self.edges[:-1], axis=-1)
-        return found
+        return self.sums(force_y**2 + force_z**2)
 
     def force_size(self, squares: Array) -> Array:
         """Root-mean-square force over the second half of the beats, N, shape (...); of what `squares` gives."""

@@ -9,14 +9,15 @@ import cmath
 import difflib
 import math
 import typing
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..case.case import Case
 from ..errors import UserError
 from ..march.reference import reference
 from ..results.variables import VARIABLES, Variable
-from .columns import ORDERS, WAVING, columns
+from .columns import columns
+from .reduced import ORDERS, WAVING
 from .similarity import Similarity
 from .statistic import Statistic, Statistics
 from .summary import Summary
@@ -171,21 +172,21 @@ def _spoken(name: str) -> str:
     return "_".join(filter(None, (second, first, rest)))
 
 
-def measure(runs: Any, names: Sequence[str]) -> list[dict[str, float]]:
+def measure(parts: Iterable[Any], names: Sequence[str]) -> list[dict[str, float]]:
     """Metrics of each of several runs; NaN where undefined, such as the phase of a wing at rest.
 
     Args:
-        runs: as of `taichiflap.metrics.columns.columns`.
+        parts: as of `taichiflap.metrics.columns.columns`.
         names: metrics as returned by `choose`.
     """
-    found = [dict.fromkeys(names, math.nan) for _ in runs.cases]
-    for members, of_summary in columns(runs):
-        values = _flattened(of_summary)
+    found: dict[int, dict[str, float]] = {}
+    for members, of_summary in columns(parts):
+        values = _flattened(of_summary) if of_summary else {}
         undefined_here = [math.nan] * len(members)
         rows = zip(*(values.get(name, undefined_here) for name in names), strict=True)
         for b, row in zip(members, rows, strict=True):
             found[b] = dict(zip(names, row, strict=True))
-    return found
+    return [found[b] for b in range(len(found))]
 
 
 def _flattened(of_summary: Mapping[str, Any]) -> dict[str, list[float]]:

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 from ..motion.stream import in_stream
 from ..results.reader import Result
 from .beats import Beats
-from .columns import MEANS, WAVING, Alone, columns
+from .columns import columns
+from .reduced import MEANS, WAVING, Alone
 from .statistic import Statistic, Statistics
 
 __all__ = "MEANS", "WAVING", "Alone", "Statistic", "Summary", "in_stream", "summarise"
@@ -114,9 +115,8 @@ def summarise(result: Result, beats: Beats | None = None) -> Summary | None:
     Args:
         beats: beats to summarise; the settled beats if None.
     """
-    for _, found in columns(Alone(result), beats):
-        return Summary(**{name: _first(column) for name, column in found.items()})
-    return None
+    ((_, found),) = columns([Alone(result)], beats)
+    return Summary(**{name: _first(column) for name, column in found.items()}) if found else None
 
 
 def _first(column: Any) -> Any:

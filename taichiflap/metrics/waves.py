@@ -27,7 +27,7 @@ def harmonics(case: Case, time: Array, values: Array, count: int) -> NDArray[np.
     Returns:
         Shape (count, ...), with the other axes of `values`.
     """
-    return project(values, exponentials(case.beat, time, count))
+    return project(values, exponentials(case.beat, time, count)) * (2.0 / values.shape[-1])
 
 
 def exponentials(beat: float, time: Array, count: int) -> tuple[Array, Array]:
@@ -48,11 +48,11 @@ def exponentials_at_steps(beat: float, step: float, first: int, last: int, count
 
 
 def project(values: Array, turns: tuple[Array, Array]) -> NDArray[np.complex128]:
-    """Those of `harmonics`, of the exponentials at the values' times."""
+    """Sums of values, along the last axis, times what `exponentials` gives at their times: shape (count, ...)."""
     # Real and imaginary part apart: einsum's sums of real numbers are several times faster, and need no BLAS,
     # whose rounding goes by the number of its threads.
     real, imaginary = (np.einsum("...t,nt->n...", values, part) for part in turns)
-    return (real + 1j * imaginary) * (2.0 / values.shape[-1])
+    return real + 1j * imaginary
 
 
 def harmonic(case: Case, time: Array, values: Array, order: int = 1) -> complex:

@@ -144,11 +144,19 @@ def compute(
             progress(min(march.next_step / (march.steps + 1), 1.0))
     track = blocks[0] if len(blocks) == 1 else tuple(np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
     outcomes = {b: Outcome(reason=march.reason(int(b))) for b in np.flatnonzero(march.failures() >= 0).tolist()}
-    for members, scales in _alike(march, [b for b in range(len(cases)) if b not in outcomes]):
-        run = _series(march, members, scales, *track)
-        kept = [name for name in ("time", *SERIES) if name in run.variables] if keep_series else []
-        for i, (b, found) in enumerate(zip(members, measure(run, metrics), strict=True)):
-            outcomes[b] = Outcome(found, {name: getattr(run, name)[i] for name in kept})
+    order: list[int] = []
+    series: dict[int, dict[str, np.ndarray]] = {}
+
+    def parts() -> Iterator[Series]:
+        for members, scales in _alike(march, [b for b in range(len(cases)) if b not in outcomes]):
+            run = _series(march, members, scales, *track)
+            kept = [name for name in ("time", *SERIES) if name in run.variables] if keep_series else []
+            series.update({b: {name: getattr(run, name)[i] for name in kept} for i, b in enumerate(members)})
+            order.extend(members)
+            yield run
+
+    for b, found in zip(order, measure(parts(), metrics), strict=True):
+        outcomes[b] = Outcome(found, series[b])
     march.end()
     return [outcomes[b] for b in range(len(cases))]
 
