@@ -233,7 +233,9 @@ def _extents(runs: Some, kept: Kept) -> Array:
 
 def _of_wake(runs: Some, kept: Kept) -> dict[str, Array]:
     """Mean velocity lost with the wake, and its largest error and number of crossings at the end of the run."""
-    found = {name: getattr(runs, name)[:, -1] for name in ("wake_far_error", "wake_crossings") if name in runs.variables}
+    found = {
+        name: getattr(runs, name)[:, -1] for name in ("wake_far_error", "wake_crossings") if name in runs.variables
+    }
     if "wake_lost" in runs.variables:
         found["wake_lost"] = kept.total(runs.wake_lost) / kept.count
     return found

@@ -142,7 +142,9 @@ def compute(
         blocks.append(march.advance_study(steps))
         if progress:
             progress(min(march.next_step / (march.steps + 1), 1.0))
-    track = blocks[0] if len(blocks) == 1 else tuple(np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
+    track = (
+        blocks[0] if len(blocks) == 1 else tuple(np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
+    )
     outcomes = {b: Outcome(reason=march.reason(int(b))) for b in np.flatnonzero(march.failures() >= 0).tolist()}
     order: list[int] = []
     series: dict[int, dict[str, np.ndarray]] = {}
