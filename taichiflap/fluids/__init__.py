@@ -4,6 +4,7 @@ Built-in models are selected by name; a model in any importable module is select
 """
 
 import contextlib
+import functools
 import importlib
 import re
 import sys
@@ -80,7 +81,7 @@ def load(solver: str) -> Model:
     """
     name = solver.removeprefix(ELSEWHERE)
     if name == solver:
-        return importlib.import_module(f".{name}", __name__).MODEL
+        return _ours(name)
     try:
         module = importlib.import_module(name)
     except ModuleNotFoundError as error:
@@ -96,4 +97,11 @@ def load(solver: str) -> Model:
             f'solver = "{solver}": {name} is not a fluid model: it needs MODEL, an instance of a class derived from '
             "taichiflap.fluids.interface.Model"
         )
+    return model
+
+
+@functools.cache
+def _ours(name: str) -> Model:
+    """One of taichiflap's models; a study asks for it several times a case."""
+    model: Model = importlib.import_module(f".{name}", __name__).MODEL
     return model

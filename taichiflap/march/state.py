@@ -15,7 +15,7 @@ from ..kernels.arrays import Spare, array, zeros
 from ..kernels.held import held, length
 from ..kernels.runtime import Floats1, Floats2, Floats3, Ints1, Ints2, View, ti, view
 from ..motion import sampling
-from ..motion.sampling import PITCH, PLUNGE, PLUNGE_ACCEL, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
+from ..motion.sampling import PLUNGE_ACCEL, PLUNGE_RATE, SURGE_ACCEL, SURGE_RATE
 from ..structure import beam
 from . import divergence
 

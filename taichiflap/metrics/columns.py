@@ -55,7 +55,7 @@ class Group:
     def with_others(self, others: Sequence["Group"]) -> "Group":
         """All of them together."""
         every = [self, *others]
-        members, cases, scales = ([one for of in every for one in getattr(of, name)] for name in GATHERED)
+        members, cases, scales = ([one for of in every for one in getattr(of, name)] for name in EACH)
         joined = {name: np.concatenate([one.numbers[name] for one in every]) for name in self.numbers}
         return Group(members, cases, scales, self.beats, self.end, joined)
 
@@ -66,11 +66,11 @@ class Group:
             rows = np.flatnonzero(dropped == count)
             numbers = {name: one[rows] for name, one in self.numbers.items()}
             numbers |= {name: numbers[name][..., count:] for name in ("of_beats", "squares")}
-            gathered = ([getattr(self, name)[i] for i in rows.tolist()] for name in GATHERED)
-            yield Group(*gathered, self.beats.after(count), self.end, numbers)
+            members, cases, scales = ([getattr(self, name)[i] for i in rows.tolist()] for name in EACH)
+            yield Group(members, cases, scales, self.beats.after(count), self.end, numbers)
 
 
-GATHERED = "members", "cases", "scales"
+EACH = "members", "cases", "scales"
 """What a group has of each run."""
 
 

@@ -210,7 +210,7 @@ def _waves(runs: Some, kept: Kept) -> NDArray[np.complex128]:
         values = getattr(runs, name)[:, first : kept.stop]
         if alike:
             folded = np.einsum("rbt,rb->rt", values.reshape(len(values), len(each), -1), kept.weights)
-            sums = project(folded, tuple(part[:, : each[0]] for part in turns))
+            sums = project(folded, (turns[0][:, : each[0]], turns[1][:, : each[0]]))
         else:
             sums = project(values * np.repeat(kept.weights, each, axis=1), turns)
         found.append(sums.T * (2.0 / kept.count)[:, None])

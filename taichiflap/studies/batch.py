@@ -1,6 +1,6 @@
 """Batches of cases with one solver, marched side by side, and the metrics of each case."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -136,22 +136,20 @@ def compute(
     steps = max(1, int(longest * LAUNCH_WORK * (threads or available_threads()) / total))
     with fluids.blamed(cases[0].solver):
         march = March(cases, fluids.load(cases[0].solver), threads, store_outputs=False, room=steps, spare=spare)
-        march.advance(0)
+        march.advance_study(0)
     blocks = []
     while not march.done:
         blocks.append(march.advance_study(steps))
         if progress:
             progress(min(march.next_step / (march.steps + 1), 1.0))
-    track = (
-        blocks[0] if len(blocks) == 1 else tuple(np.concatenate(parts, axis=-1) for parts in zip(*blocks, strict=True))
-    )
+    modes, force = (one[0] if len(one) == 1 else np.concatenate(one, axis=-1) for one in zip(*blocks, strict=True))
     outcomes = {b: Outcome(reason=march.reason(int(b))) for b in np.flatnonzero(march.failures() >= 0).tolist()}
     order: list[int] = []
     series: dict[int, dict[str, np.ndarray]] = {}
 
     def parts() -> Iterator[Series]:
         for members, scales in _alike(march, [b for b in range(len(cases)) if b not in outcomes]):
-            run = _series(march, members, scales, *track)
+            run = _series(march, members, scales, modes, force)
             kept = [name for name in ("time", *SERIES) if name in run.variables] if keep_series else []
             series.update({b: {name: getattr(run, name)[i] for name in kept} for i, b in enumerate(members)})
             order.extend(members)
@@ -165,6 +163,7 @@ def compute(
 
 def _alike(march: March, members: Sequence[int]) -> Iterator[tuple[list[int], list[Reference]]]:
     """Cases of a batch that `Series` can derive together, with their reference values."""
+    columns = march.columns
     groups: dict[Any, list[tuple[int, Reference]]] = {}
     for b in members:
         case, scale = march.cases[b], reference(march.cases[b])
@@ -173,17 +172,12 @@ def _alike(march: March, members: Sequence[int]) -> Iterator[tuple[list[int], li
     for group in groups.values():
         first = 0
         for last in range(1, len(group) + 1):
-            turns = last < len(group) and len(_motions(march, (b for b, _ in group[last - 1 : last + 1]))) > 1
-            # Half as many are as fast, if they share their motion.
-            if last in (first + TOGETHER, len(group)) or (turns and last >= first + TOGETHER // 2):
+            turns = last < len(group) and columns[group[last][0]] is not columns[group[last - 1][0]]
+            # A few are as fast, if they share their motion.
+            if last in (first + TOGETHER, len(group)) or (turns and last >= first + TOGETHER // 4):
                 numbers, scales = zip(*group[first:last], strict=True)
                 yield list(numbers), list(scales)
                 first = last
-
-
-def _motions(march: March, members: Iterable[int]) -> set[int]:
-    """The different motions of some cases of a batch."""
-    return {id(march.cases[b].motion) for b in members}
 
 
 def _series(
