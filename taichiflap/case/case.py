@@ -94,7 +94,15 @@ class Case(CaseTable):
         return {**given, "time": {**time, "steps_per_period": "auto"}}
 
     @model_validator(mode="after")
-    def _moved(self) -> "Case":
+    def _together(self) -> "Case":
+        """Check the tables, each of which is valid, against each other."""
+        self._move()
+        self._fit_model()
+        if not self._step_is_unknown:
+            self._check_time()
+        return self
+
+    def _move(self) -> None:
         """Derive plunge, pitch and surge from measured angles."""
         measured, frequency = self.motion.measured, self.motion.frequency
         if measured and frequency:
@@ -106,10 +114,8 @@ class Case(CaseTable):
             moved = self.motion.model_copy()
             moved.__dict__.update(angles.travels(measured, frequency, self.wing.widest))
             self.__dict__["motion"] = moved
-        return self
 
-    @model_validator(mode="after")
-    def _fits_its_model(self) -> "Case":
+    def _fit_model(self) -> None:
         if self.motion.frequency is None and self.time.periods is not None:
             raise needed(
                 "motion.frequency", "for a non-periodic motion give time.duration and time.step instead of periods"
@@ -117,13 +123,6 @@ class Case(CaseTable):
         table = getattr(self, self.solver, None)
         if isinstance(table, ModelTable):
             table.check(self)
-        return self
-
-    @model_validator(mode="after")
-    def _in_time(self) -> "Case":
-        if not self._step_is_unknown:
-            self._check_time()
-        return self
 
     def _check_time(self) -> None:
         if self.steps > MAX_STEPS:
@@ -278,8 +277,8 @@ class Case(CaseTable):
             return self._checked(values, source)
         if all(key in checked for key in keys.values()):
             tables = {name: checked[key] for name, key in keys.items()}
-            with suppress(ValidationError):  # which is told below
-                return Case.model_validate(dict(self) | tables)._from(Origin(self.origin.folder))
+            with suppress(ValueError):  # which is told below
+                return Case.model_construct(**dict(self) | tables)._together()._from(Origin(self.origin.folder))
         case = self._checked(values, source)
         for name, made_of in keys.items():
             checked.setdefault(made_of, getattr(case, name))
