@@ -387,16 +387,16 @@ def test_a_map_has_its_name_when_it_is_laid_out_and_not_before(case, tmp_path, m
 def test_values_of_a_large_map_are_on_the_disk_before_their_status(case, tmp_path, monkeypatch):
     """Otherwise a power failure could keep the status and lose the values."""
     monkeypatch.setattr(maps, "MOST_IMAGE", 0)
-    written, scatter = [], layout.scatter
+    written, write = [], layout.Column.write
     monkeypatch.setattr(
-        layout, "scatter", lambda dataset, *what: (written.append(dataset.name), scatter(dataset, *what))
+        layout.Column, "write", lambda column, *what: (written.append(column.name), write(column, *what))
     )
     monkeypatch.setattr(hdf.Guarded, "sync", lambda _: written.append("sync"))
     kept = {"power_mean": quantities.METRICS["power_mean"]}
     with maps.create(tmp_path / "map.h5", case, design(case, {"wing.modes": "0,1"}), kept) as sheet:
         for number in range(2):
             sheet.record([number], [outcome.Outcome({"power_mean": 1.0})])
-    assert written == 2 * ["/power_mean", "sync", "/status"]
+    assert written == 2 * ["power_mean", "sync", "status"]
 
 
 def attempt(planned, case, number, checked):

@@ -75,7 +75,7 @@ class Design:
 
     def settings(self, number: int) -> list[str]:
         """Settings that turn the base case into case `number`, as for `--set`."""
-        return [f"{key}={value}" for key, value in self.point(number).items()]
+        return _settings(self.point(number))
 
     def case(self, base: Case, number: int, checked: dict[Any, Any] | None = None) -> Case:
         """Case `number`: the base case with its values.
@@ -86,7 +86,8 @@ class Design:
         Raises:
             CaseError: if the values are not compatible.
         """
-        return _changed(base, self.point(number), ", ".join(self.settings(number)), checked)
+        point = self.point(number)
+        return _changed(base, point, ", ".join(_settings(point)), checked)
 
     def check(self, case: Case) -> None:
         """Check every key and the ends of its range before the first run.
@@ -266,6 +267,10 @@ def _unit_points(sample: str, dimensions: int, seed: int) -> np.ndarray:
         near = f"{2**power} or {2 ** (power + 1)}"
         raise DesignError(f"--sample {sample}: the number of Sobol points must be a power of two; use {near}")
     return qmc.Sobol(dimensions, seed=seed).random_base2(power)
+
+
+def _settings(point: Mapping[str, Value]) -> list[str]:
+    return [f"{key}={value}" for key, value in point.items()]
 
 
 def _changed(base: Case, point: Mapping[str, Value], source: str, checked: dict[Any, Any] | None = None) -> Case:

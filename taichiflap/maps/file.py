@@ -64,6 +64,7 @@ class Map:
         self.file, self.path, self._lock = file, path, lock
         self._guard: hdf.Guarded | None = None
         self._units: dict[str, str] = {}
+        self._columns: dict[str, layout.Column] = {}
         try:
             self.case = layout.read_case(file, str(path))
         except CaseError as error:
@@ -140,13 +141,15 @@ class Map:
         Raises:
             MapError: if it cannot be written; earlier cases are safe.
         """
-        places = np.stack(np.unravel_index(np.asarray(numbers), self.design.shape), axis=1)
+        flat = np.asarray(numbers)
+        places = np.stack(np.unravel_index(flat, self.design.shape), axis=1)
         statuses = [FAILED if outcome.reason else COMPLETE for outcome in outcomes]
+        nowhere = dict.fromkeys(self.metrics, np.nan)
+        rows = np.array([[*map((nowhere | outcome.metrics).get, self.metrics)] for outcome in outcomes])
         try:
             self._check_room(outcomes)
-            for name in self.metrics:
-                values = [outcome.metrics.get(name, np.nan) for outcome in outcomes]
-                layout.scatter(self.file[name], places, values)
+            for name, values in zip(self.metrics, rows.T, strict=True):
+                self._column(name).write(flat, values)
             for place, outcome in zip(map(tuple, places), outcomes, strict=True):
                 if outcome.reason:
                     self.file["reason"][place] = outcome.reason.encode()[: hdf.REASON_BYTES]
@@ -156,13 +159,20 @@ class Map:
             self.file.flush()
             if self._guard:
                 self._guard.sync()
-            layout.scatter(self.file["status"], places, statuses)
+            self._column("status").write(flat, np.array(statuses))
         except OSError as error:
             raise MapError(f"{self.path}: cannot be written: {first_line(error)}") from None
         self.save()
 
+    def _column(self, name: str) -> "layout.Column":
+        """The status or a metric, to be written."""
+        if name not in self._columns:
+            self._columns[name] = layout.Column(self.file, name, whole=self._guard is None)
+        return self._columns[name]
+
     def extend(self, axes: Sequence[Axis]) -> range:
         """Add cases to the end of a sample; returns their numbers."""
+        self._columns.clear()
         first = self.design.size
         last = first + len(axes[0].values)
         for name in (SAMPLE, "status", "reason", *self.metrics):
@@ -219,6 +229,7 @@ class Map:
     def _fill_in_place(self) -> None:
         """Continue in the file itself."""
         assert self.path is not None
+        self._columns.clear()
         self.file.close()
         try:
             self._guard = hdf.Guarded(self.path, fresh=False)

@@ -153,11 +153,30 @@ def dimensions(design: Design) -> tuple[str, ...]:
     return tuple(axis.key for axis in design.axes) if design.grid else (SAMPLE,)
 
 
-def scatter(dataset: Any, places: np.ndarray, values: Sequence[float]) -> None:
-    """Write single points in one call; h5py's indexing needs one call per point."""
-    space = dataset.id.get_space()
-    space.select_elements(places.astype(np.uint64))
-    dataset.id.write(h5py.h5s.create_simple((len(values),)), space, np.array(values, dataset.dtype))
+class Column:
+    """A dataset with a number of every case, of which some are written at a time.
+
+    Args:
+        whole: whether all of it is kept here and written every time, as to write points takes long; for a file in
+            memory.
+    """
+
+    def __init__(self, file: Any, name: str, whole: bool) -> None:
+        dataset = file[name]
+        self.name, self._dataset, self._shape, self._type = name, dataset.id, dataset.shape, dataset.dtype
+        self._values = np.ascontiguousarray(dataset[...]) if whole else None
+
+    def write(self, numbers: np.ndarray, values: np.ndarray) -> None:
+        """Write the values of the cases with these numbers."""
+        values = np.ascontiguousarray(values, self._type)
+        if self._values is not None:
+            self._values.reshape(-1)[numbers] = values
+            self._dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, self._values)
+            return
+        # h5py's indexing needs one call per point.
+        space = self._dataset.get_space()
+        space.select_elements(np.stack(np.unravel_index(numbers, self._shape), axis=1).astype(np.uint64))
+        self._dataset.write(h5py.h5s.create_simple((len(values),)), space, values)
 
 
 def _room(design: Design, kind: Any, fill: Any) -> dict[str, Any]:
