@@ -94,6 +94,9 @@ class Case(CaseTable):
         return {**given, "time": {**time, "steps_per_period": "auto"}}
 
     @model_validator(mode="after")
+    def _valid(self) -> "Case":
+        return self._together()
+
     def _together(self) -> "Case":
         """Check the tables, each of which is valid, against each other."""
         self._move()

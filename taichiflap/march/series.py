@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..case.case import Case
 from ..motion.attack import angle_of_attack
-from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_ACCEL, SURGE_RATE
+from ..motion.sampling import PITCH, PITCH_RATE, PLUNGE, PLUNGE_RATE, SURGE, SURGE_RATE
 from ..motion.stream import in_stream
 from ..structure.beam import Modes
 from .reference import Reference, reference
@@ -173,10 +173,10 @@ class Series:
     @functools.cached_property
     def power_aerodynamic(self) -> Array:
         moved = self.moved
-        along = self.force_z * moved[PLUNGE_RATE] + self.moment * moved[PITCH_RATE]
-        if surges(moved):
-            along += self.force_y * moved[SURGE_RATE]
-        return -along
+        along = self.force_z * -moved[PLUNGE_RATE] - self.moment * moved[PITCH_RATE]
+        if moved[SURGE_RATE].any():
+            along -= self.force_y * moved[SURGE_RATE]
+        return along
 
     @functools.cached_property
     def power_inertial(self) -> Array:
@@ -257,11 +257,6 @@ def inertial_power(section: Any, motion: Array, state: Array) -> Array:
     power -= weighted(section.lam, q_rate) * (2.0 * theta_rate * along)
     power -= weighted(section.lam, q) * (theta_accel * along + turning * across + theta_rate * along_accel)
     return power
-
-
-def surges(motion: Array) -> bool:
-    """Whether anything surges, in columns of the sampled motion, shape (COLUMNS, ...)."""
-    return bool(motion[SURGE_RATE].any() or motion[SURGE_ACCEL].any())
 
 
 def mechanical_energy(section: Any, motion: Array, state: Array) -> Array:
