@@ -32,7 +32,7 @@ def pretend(monkeypatch, metrics):
         asked.extend(cases)
         return [Outcome(dict.fromkeys(METRICS, 1.0) | metrics(case)) for case in cases]
 
-    monkeypatch.setattr("taichiflap.studies.sweep.compute", compute)
+    monkeypatch.setattr("taichiflap.studies.runner.compute", compute)
     return asked
 
 

@@ -279,13 +279,13 @@ def test_only_what_is_missing_runs_again(case, tmp_path, monkeypatch):
         ran.extend(cases)
         return real(cases, *more, **options)
 
-    monkeypatch.setattr("taichiflap.studies.sweep.compute", counted)
+    monkeypatch.setattr("taichiflap.studies.runner.compute", counted)
     with pytest.raises(KeyboardInterrupt):
         taichiflap.sweep(case, vary, tmp_path / "map.h5")
     with taichiflap.open_map(tmp_path / "map.h5") as sheet:
         assert len(sheet.pending) == 5
     again = []
-    monkeypatch.setattr("taichiflap.studies.sweep.compute", lambda c, *m, **o: again.extend(c) or real(c, *m, **o))
+    monkeypatch.setattr("taichiflap.studies.runner.compute", lambda c, *m, **o: again.extend(c) or real(c, *m, **o))
     resumed = taichiflap.sweep(case, vary, tmp_path / "map.h5")
     assert len(again) == 5
     assert not set(map(repr, again)) & set(map(repr, ran))

@@ -106,7 +106,7 @@ def test_converge_tells_its_trials_and_its_verdict(tmp_path, monkeypatch, capsys
 def test_what_does_not_converge_is_exit_code_1(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        "taichiflap.studies.sweep.compute",
+        "taichiflap.studies.runner.compute",
         lambda cases, *_: [Outcome(dict.fromkeys(METRICS, float(one.dbet.elements))) for one in cases],
     )
     assert app("converge", DBET, *SHORT, "--metric=power_mean") == 1
@@ -133,7 +133,7 @@ def test_an_interrupted_study_says_how_to_go_on(tmp_path, monkeypatch, capsys):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("taichiflap.studies.sweep.compute", interrupt)
+    monkeypatch.setattr("taichiflap.studies.runner.compute", interrupt)
     assert app("sweep", DBET, *SHORT, "--vary=wing.modes=0,1") == 130
     said = capsys.readouterr().err
     assert said.splitlines()[-1] == (

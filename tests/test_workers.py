@@ -1,5 +1,6 @@
 """Studies in several processes give the same map, even if processes die."""
 
+import dataclasses
 import io
 import subprocess
 import sys
@@ -21,8 +22,8 @@ VARY = {"fluid.density": "1.0:1.4:6", "motion.pitch.amplitude_deg": "10:60:4"}
 def little(monkeypatch):
     """Start processes for few cases, and make small batches."""
     monkeypatch.setattr(workers, "SHARE", 5)
-    monkeypatch.setattr("taichiflap.studies.batch.BATCH_WORK", 1.0)
-    monkeypatch.setattr("taichiflap.studies.batch.SHARES", 2)
+    monkeypatch.setattr(workers, "JOB", 2)
+    monkeypatch.setattr(workers, "SMALLEST", 2)
     monkeypatch.setattr("taichiflap.studies.sweep.available_threads", lambda: 2)
 
 
@@ -67,15 +68,15 @@ class Killed(workers.Worker):
 class Failing(workers.Worker):
     """A process that receives an invalid task."""
 
-    def send(self, batch, metrics, keep_series):
-        super().send(batch, [[]], keep_series)
+    def __init__(self, study, come):
+        super().__init__(dataclasses.replace(study, metrics=[[]]), come)
 
 
 class Garbled(workers.Worker):
     """A process of whose answer something else is read."""
 
-    def __init__(self, come):
-        super().__init__(come)
+    def __init__(self, study, come):
+        super().__init__(study, come)
         self._process.stdout.close()
         self._process.stdout = io.BytesIO(b"cnowhere\nnothing\n.")
 
@@ -90,11 +91,11 @@ def test_what_a_process_has_not_done_is_done_here(tmp_path, little, monkeypatch,
 
 
 def test_what_fails_here_leaves_no_process(little, monkeypatch):
-    def broken(cases, metrics, *_):
+    def broken(*_):
         raise UserError("as it says")
 
     begun = []
-    monkeypatch.setattr(workers, "compute", broken)
+    monkeypatch.setattr("taichiflap.studies.runner.compute", broken)
     monkeypatch.setattr(workers.Worker, "__enter__", lambda self: begun.append(self) or self)
     with pytest.raises(UserError, match="as it says"):
         taichiflap.sweep(hawkmoth(*SHORT), VARY)
@@ -105,8 +106,8 @@ SCRIPT = """
 import sys
 sys.path.insert(0, {root!r})
 import taichiflap
-from taichiflap.studies import batch, sweep, workers
-workers.SHARE, batch.BATCH_WORK, batch.SHARES = 5, 1.0, 2
+from taichiflap.studies import sweep, workers
+workers.SHARE, workers.JOB, workers.SMALLEST = 5, 2, 2
 sweep.available_threads = lambda: 2
 case = taichiflap.load_case({case!r}, {settings!r})
 taichiflap.sweep(case, {vary!r}, {path!r})

@@ -44,13 +44,16 @@ class Batch:
 
 
 def batches(
-    case: Case, design: Design, pending: np.ndarray, threads: int | None
+    case: Case, design: Design, pending: np.ndarray, threads: int | None, checked: dict[Any, Any] | None = None
 ) -> Iterator[Batch | tuple[int, CaseError]]:
     """The pending cases of a design in batches with one solver and similar cost, that fit in memory.
 
     An invalid case is returned alone, with its error.
+
+    Args:
+        checked: see `Case.changed`.
     """
-    checked: dict[Any, Any] = {}
+    checked = {} if checked is None else checked
     for first in range(0, len(pending), WINDOW):
         motions: dict[int, int] = {}
         found: list[tuple[Any, int, Case]] = []

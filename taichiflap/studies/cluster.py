@@ -4,16 +4,19 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from typing import Any
+
+import numpy as np
 
 from .._version import __version__
 from ..case.case import Case
 from ..errors import UserError, extra
 from ..maps.outcome import Outcome
-from .batch import Batch, compute
+from .batch import Batch, batches, compute
+from .runner import Done, Study, invalid
 
 PATIENCE = 15
 """Seconds to wait for a scheduler's answer."""
@@ -31,10 +34,8 @@ class ClusterError(UserError):
     """Raised if a cluster does not answer or cannot run taichiflap; one sentence with the address and the cure."""
 
 
-def there(
-    address: str, found: Iterable[Batch], metrics: Sequence[str], keep_series: bool
-) -> Iterator[tuple[Batch, list[Outcome]]]:
-    """Run batches on the scheduler at `address`, or on local worker processes for `"local:N"`; yields results in any
+def there(address: str, study: Study, pending: np.ndarray) -> Iterator[Done]:
+    """Run cases on the scheduler at `address`, or on local worker processes for `"local:N"`; yields results in any
     order.
 
     If a worker dies, its batch is run again on another.
@@ -43,7 +44,8 @@ def there(
         ClusterError: if the scheduler does not answer, or the workers cannot run taichiflap.
     """
     distributed = extra("distributed", "cluster", "--cluster needs Dask", ClusterError)
-    waiting = iter(found)
+    waiting = batches(study.case, study.design, pending, 1)
+    refused: list[Done] = []
     with ExitStack() as stack:
         client = _connect(distributed, address, stack)
         _await_workers(distributed, client, address)
@@ -53,8 +55,11 @@ def there(
         def send() -> None:
             most = AHEAD * max(1, sum(client.nthreads().values()))
             while len(running) < most and (batch := next(waiting, None)) is not None:
+                if not isinstance(batch, Batch):
+                    refused.append(invalid(*batch))
+                    continue
                 options = {"retries": RETRIES, "pure": False}
-                future = client.submit(work, __version__, batch.cases, metrics, keep_series, **options)
+                future = client.submit(work, __version__, batch.cases, study.metrics, study.keep_series, **options)
                 running[future] = batch
                 coming.add(future)
 
@@ -67,8 +72,9 @@ def there(
                 outcomes = future.result()
             except Exception as error:
                 raise ClusterError(f"--cluster {address}: a batch of cases failed on a worker: {error}") from None
-            yield batch, outcomes
+            yield Done(batch.numbers, outcomes, batch.work)
             send()
+    yield from refused
 
 
 def work(version: str, cases: Sequence[Case], metrics: Sequence[str], keep_series: bool) -> list[Outcome]:

@@ -1,17 +1,17 @@
 """Run every missing case of a map, batch by batch, locally or on a cluster."""
 
-import functools
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .. import disk
 from .._version import __version__
-from ..case.case import Case, CaseError
+from ..case.case import Case
 from ..errors import extra
-from ..kernels.arrays import Spare
 from ..kernels.runtime import available_threads, check_threads
 from ..maps import file as maps
 from ..maps.design import Design, design
@@ -19,7 +19,8 @@ from ..maps.file import Map, MapError
 from ..maps.outcome import Outcome
 from ..metrics.names import METRICS, choose
 from . import workers
-from .batch import Batch, batches, compute, whole_work
+from .batch import Batch, whole_work
+from .runner import Done, Runner, Study
 
 WRITTEN_EVERY = 1.0
 """Seconds between two times at which a map is written: the most that a crash costs beside the batches that run."""
@@ -80,21 +81,6 @@ class Unwritten:
         if numbers:
             self._sheet.record(numbers, outcomes)
         self._written = time.monotonic()
-
-
-@dataclass(frozen=True)
-class Spec:
-    """Options for running batches: stored metrics and series, threads, and the progress callback.
-
-    Attributes:
-        processes: of this machine, among which they are shared out.
-    """
-
-    metrics: list[str]
-    keep_series: bool
-    threads: int | None
-    processes: int
-    progress: Callable[[Batch, float], None]
 
 
 def sweep(
@@ -182,50 +168,29 @@ def fill(
     pending = sheet.pending
     work = whole_work(sheet.case, sheet.design, pending) if progress else 0.0
     tally = Tally(sheet.design.size - len(pending), sheet.design.size, work, progress)
+    study = Study(sheet.case, sheet.design, sheet.metrics, sheet.keeps_series)
+    processes = workers.worth(sheet.case, len(pending), threads or available_threads())
+    if cluster and len(pending):
+        done = _there(cluster, study, pending)
+    elif processes > 1:
+        done = workers.shared(study, pending, processes, tally.tell)
+    else:
+        done = Runner(study, threads).run(pending, tally.tell)
     unwritten = Unwritten(sheet)
-
-    def sound(found: Iterable[Any]) -> Iterator[Batch]:
-        """Yield valid batches; invalid cases are recorded as failed."""
-        for one in found:
-            if isinstance(one, Batch):
-                yield one
-            else:
-                number, error = one
-                unwritten.add([number], [Outcome(reason=_sentence(error))])
-                tally.add(1, 0.0)
-
-    processes = 1 if cluster else workers.worth(sheet.case, len(pending), threads or available_threads())
-    alone = cluster is None and processes == 1
-    spec = Spec(sheet.metrics, sheet.keeps_series, threads if alone else 1, processes, tally.tell)
-    found = sound(batches(sheet.case, sheet.design, pending, spec.threads))
     tally.tell()
     try:
-        for batch, outcomes in _there(cluster, found, spec) if cluster and len(pending) else here(found, spec):
-            unwritten.add(batch.numbers, outcomes)
-            tally.add(len(batch.numbers), batch.work)
+        for numbers, outcomes, spent in done:
+            unwritten.add(numbers, outcomes)
+            tally.add(len(numbers), spent)
     finally:
         unwritten.write()
     sheet.finish()
 
 
-def here(found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outcome]]]:
-    """Run batches in this process, one after the other, or in several."""
-    if spec.processes > 1:
-        yield from workers.shared(found, spec.metrics, spec.keep_series, spec.processes, spec.progress)
-    spare = Spare()
-    for batch in found:
-        tell = functools.partial(spec.progress, batch)
-        yield batch, compute(batch.cases, spec.metrics, spec.keep_series, spec.threads, tell, spare)
-
-
-def _there(cluster: str, found: Iterable[Batch], spec: Spec) -> Iterator[tuple[Batch, list[Outcome]]]:
+def _there(cluster: str, study: Study, pending: np.ndarray) -> Iterator[Done]:
     from .cluster import there  # noqa: PLC0415 - an optional extra
 
-    yield from there(cluster, found, spec.metrics, spec.keep_series)
-
-
-def _sentence(error: CaseError) -> str:
-    return "; ".join(error.problems)
+    return there(cluster, study, pending)
 
 
 def _check_same(sheet: Map, case: Case, planned: Design, metrics: list[str], series: bool) -> None:

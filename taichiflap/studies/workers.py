@@ -1,9 +1,10 @@
-"""Batches in processes of this machine, for studies whose cases are so short that Python's own work holds them up.
+"""Processes of this machine, for studies whose cases are so short that Python's own work holds them up.
 
 While one process marches and measures its cases, another does the same with others: threads of one process would wait
-for each other, as Taichi holds Python's lock while a kernel runs. A worker is a bare interpreter that reads batches
-from a pipe and writes their outcomes to another; unlike those of `multiprocessing` it imports nothing of the program
-that started it, so a script needs no guard. What fails there is run here, and fails, if it does, with its own words.
+for each other, as Taichi holds Python's lock while a kernel runs. A worker is a bare interpreter that reads numbers of
+cases from a pipe and writes their outcomes to another; unlike those of `multiprocessing` it imports nothing of the
+program that started it, so a script needs no guard. What fails there is run here, and fails, if it does, with its own
+words.
 """
 
 import contextlib
@@ -14,24 +15,26 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..case.case import Case
 from ..case.solver import ELSEWHERE
-from ..kernels.arrays import Spare
-from ..maps.outcome import Outcome
-from .batch import Batch, compute, work
+from .batch import work
+from .runner import Done, Progress, Runner, Study
 
 SHORT = 2e7
 """Work of a case, in pair interactions, below which Python's share of it counts: some 20 ms."""
 SHARE = 500
 """Cases that are worth a process: it is ready after a second, in which another runs as many."""
+JOB, SMALLEST = 64, 16
+"""Number of cases that are run together: as many as make a batch, and fewer towards the end, so that all processes end
+at about the same time."""
 AHEAD = 2
-"""Batches that a worker has been given, so that it does not wait for the next."""
-
-Found = tuple[Batch, list[Outcome]]
+"""Jobs that a worker has been given, so that it does not wait for the next."""
 
 
 def worth(case: Case, pending: int, threads: int) -> int:
@@ -43,69 +46,68 @@ def worth(case: Case, pending: int, threads: int) -> int:
     return max(1, min(threads, pending // SHARE))
 
 
-def shared(
-    found: Iterable[Batch],
-    metrics: Sequence[str],
-    keep_series: bool,
-    count: int,
-    progress: Callable[[Batch, float], None],
-) -> Iterator[Found]:
-    """Run batches in `count` processes, this one among them, each on one thread; they come in any order.
+def shared(study: Study, pending: np.ndarray, count: int, progress: Progress) -> Iterator[Done]:
+    """Run cases in `count` processes, this one among them, each on one thread; they come in any order.
 
     Args:
-        progress: called with a batch that runs here and the share of it that is done.
+        progress: told of the batches that run here.
     """
-    waiting = iter(found)
-    come: queue.SimpleQueue[tuple[Worker, Batch, list[Outcome] | None]] = queue.SimpleQueue()
-
-    spare = Spare()
-
-    def here(batch: Batch) -> Found:
-        return batch, compute(batch.cases, metrics, keep_series, 1, lambda share: progress(batch, share), spare)
-
+    waiting = _jobs(study, pending, count)
+    come: queue.SimpleQueue[tuple[Worker, np.ndarray, list[Done] | None]] = queue.SimpleQueue()
+    here = Runner(study, 1)
     with contextlib.ExitStack() as stack:
-        crew = [stack.enter_context(Worker(come)) for _ in range(count - 1)]
+        crew = [stack.enter_context(Worker(study, come)) for _ in range(count - 1)]
         running = 0
         while True:
             for worker in crew:
-                while worker.holds < AHEAD and (batch := next(waiting, None)) is not None:
-                    worker.send(batch, metrics, keep_series)
+                while worker.holds < AHEAD and (job := next(waiting, None)) is not None:
+                    worker.send(job)
                     running += 1
             own = next(waiting, None)
             if own is not None:
-                yield here(own)
+                yield from here.run(own, progress)
             elif not running:
                 return
             while running and (own is None or not come.empty()):
-                worker, batch, outcomes = come.get()
+                worker, job, done = come.get()
                 running -= 1
                 # One that has failed is given no more.
-                worker.holds += -1 if outcomes is not None else AHEAD
-                yield (batch, outcomes) if outcomes is not None else here(batch)
+                worker.holds += -1 if done is not None else AHEAD
+                yield from here.run(job, progress) if done is None else done
                 if own is None:
                     break
 
 
+def _jobs(study: Study, pending: np.ndarray, count: int) -> Iterator[np.ndarray]:
+    """Numbers of cases that are run together; those with the same motion are sampled and measured together."""
+    left = study.design.gathered(pending, "motion")
+    while len(left):
+        size = min(max(SMALLEST, len(left) // (2 * AHEAD * count)), JOB)
+        yield left[:size]
+        left = left[size:]
+
+
 class Worker:
-    """A process that runs batches, and the two threads that talk to it.
+    """A process that runs cases, and the two threads that talk to it.
 
     Attributes:
-        holds: batches that it has been given and not given back.
+        holds: jobs that it has been given and not given back.
 
     Args:
-        come: where itself, each batch and what came of it are put, None if the worker failed.
+        come: where itself, each job and what came of it are put, None if the worker failed.
     """
 
-    def __init__(self, come: Any) -> None:
+    def __init__(self, study: Study, come: Any) -> None:
         self.holds = 0
         self._come = come
-        self._given: queue.SimpleQueue[tuple[Batch, bytes] | None] = queue.SimpleQueue()
-        self._sent: queue.SimpleQueue[Batch | None] = queue.SimpleQueue()
+        self._given: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._sent: queue.SimpleQueue[np.ndarray | None] = queue.SimpleQueue()
         start = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve()"
         self._process = subprocess.Popen([sys.executable, "-c", start], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self._threads = [threading.Thread(target=work, daemon=True) for work in (self._write, self._read)]
         for thread in self._threads:
             thread.start()
+        self._given.put(study)
 
     def __enter__(self) -> "Worker":
         return self
@@ -120,26 +122,26 @@ class Worker:
                 pipe.close()  # type: ignore[union-attr]
         self._process.wait()
 
-    def send(self, batch: Batch, metrics: Sequence[str], keep_series: bool) -> None:
-        """Give it a batch."""
+    def send(self, job: np.ndarray) -> None:
+        """Give it numbers of cases."""
         self.holds += 1
-        self._given.put((batch, pickle.dumps((batch.cases, list(metrics), keep_series))))
+        self._given.put(job)
 
     def _write(self) -> None:
-        while given := self._given.get():
-            batch, data = given
-            self._sent.put(batch)
+        while (given := self._given.get()) is not None:
+            if not isinstance(given, Study):
+                self._sent.put(given)
             with contextlib.suppress(OSError):  # the reader finds out
-                self._process.stdin.write(data)  # type: ignore[union-attr]
+                pickle.dump(given, self._process.stdin)  # type: ignore[arg-type]
                 self._process.stdin.flush()  # type: ignore[union-attr]
         self._sent.put(None)
 
     def _read(self) -> None:
-        while batch := self._sent.get():
-            outcomes = None
+        while (job := self._sent.get()) is not None:
+            done = None
             with contextlib.suppress(Exception):  # any exception of pickle for what a dying process has written
-                outcomes = pickle.load(self._process.stdout)  # type: ignore[arg-type]
-            self._come.put((self, batch, outcomes))
+                done = pickle.load(self._process.stdout)  # type: ignore[arg-type]
+            self._come.put((self, job, done))
 
 
 def serve() -> None:
@@ -149,12 +151,12 @@ def serve() -> None:
     with os.fdopen(os.dup(1), "wb") as answers:
         # Whatever is printed here must not get between the answers.
         os.dup2(2, 1)
-        spare = Spare()
         with contextlib.suppress(EOFError, OSError):
+            runner = Runner(pickle.load(sys.stdin.buffer), 1)
             while True:
-                cases, metrics, keep_series = pickle.load(sys.stdin.buffer)
-                answer: list[Outcome] | None = None
+                job = pickle.load(sys.stdin.buffer)
+                answer: list[Done] | None = None
                 with contextlib.suppress(Exception):  # it is run again, and reported, where it came from
-                    answer = compute(cases, metrics, keep_series, 1, spare=spare)
+                    answer = list(runner.run(job, lambda *_: None))
                 pickle.dump(answer, answers)
                 answers.flush()
