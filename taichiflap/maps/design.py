@@ -90,7 +90,7 @@ class Design:
         return _changed(base, point, ", ".join(_settings(point)), checked)
 
     def gathered(self, numbers: NDArray[np.intp], table: str) -> NDArray[np.intp]:
-        """Numbers of cases, in an order in which those of a grid with the same values of a table's keys are together."""
+        """Numbers of cases in an order in which those of a grid that share the values of a table are together."""
         places = np.unravel_index(numbers, self.shape) if self.grid else ()
         its_own = [place for axis, place in zip(self.axes, places, strict=False) if axis.key.startswith(f"{table}.")]
         return numbers[np.lexsort(its_own)] if its_own else numbers
