@@ -283,8 +283,8 @@ class Case(CaseTable):
             with suppress(ValueError):  # which is told below
                 return Case.model_construct(**dict(self) | tables)._together()._from(Origin(self.origin.folder))
         case = self._checked(values, source)
-        for name, made_of in keys.items():
-            checked.setdefault(made_of, getattr(case, name))
+        # Cases that share a table's values share the table.
+        case.__dict__.update({name: checked.setdefault(key, getattr(case, name)) for name, key in keys.items()})
         return case
 
     def _checked(self, values: Mapping[str, Any], source: str) -> "Case":

@@ -102,7 +102,7 @@ class Series:
 
     @functools.cached_property
     def time(self) -> Array:
-        return _stacked(case.step for case in self.cases) * self._steps
+        return self._of_each(_stacked(case.step for case in self.cases) * self._steps)
 
     @property
     def plunge(self) -> Array:
@@ -116,9 +116,9 @@ class Series:
     def pitch(self) -> Array:
         return self._of_each(self.moved[PITCH])
 
-    def _of_each(self, column: Array) -> Array:
-        """A column of the motion, shape (cases, steps)."""
-        return np.broadcast_to(column, (len(self.cases), column.shape[-1]))
+    def _of_each(self, values: Array) -> Array:
+        """What cases may have in common, shape (cases, steps)."""
+        return np.broadcast_to(values, (len(self.cases), values.shape[-1]))
 
     @functools.cached_property
     def tip_deflection(self) -> Array:
@@ -180,7 +180,7 @@ class Series:
 
     @functools.cached_property
     def power_inertial(self) -> Array:
-        return inertial_power(self.section, self.moved, self.state)
+        return self._of_each(inertial_power(self.section, self.moved, self.state))
 
     @functools.cached_property
     def power(self) -> Array:
@@ -189,14 +189,17 @@ class Series:
     @functools.cached_property
     def power_net(self) -> Array:
         """Inertial power and the fluid's power on the deformation, less what damping dissipates."""
-        rates = self.state[RATE]
-        by_fluid = summed(self._modal_force * rates)
-        damped = weighted(2.0 * self.section.damping_ratio * self.section.omega, rates * rates)
-        return self.power_inertial + by_fluid - damped
+        damping = 2.0 * self.section.damping_ratio * self.section.omega
+        power = self.power_inertial
+        for loss, force, rate in zip(damping, self._modal_force, self.state[RATE], strict=True):
+            of_mode = force - loss * rate
+            of_mode *= rate
+            power = power + of_mode
+        return power
 
     @functools.cached_property
     def energy(self) -> Array:
-        return mechanical_energy(self.section, self.moved, self.state)
+        return self._of_each(mechanical_energy(self.section, self.moved, self.state))
 
     @functools.cached_property
     def angle_of_attack(self) -> Array:
@@ -227,8 +230,9 @@ class Series:
 
 
 def _stacked(values: Iterable[Any]) -> Array:
-    """A number of each case, shape (cases, 1), or one of every mode, (modes, cases, 1)."""
-    return np.array([*values]).T[..., None]
+    """A number of each case, shape (cases, 1), or one of every mode, (modes, cases, 1); of one if all are equal."""
+    found = np.array([*values])
+    return (found[:1] if (found == found[0]).all() else found).T[..., None]
 
 
 def inertial_power(section: Any, motion: Array, state: Array) -> Array:
@@ -236,7 +240,7 @@ def inertial_power(section: Any, motion: Array, state: Array) -> Array:
 
     The generalised inertia forces of plunge, pitch and surge are Lagrange's, from the kinetic energy of the paper's
     Appendix A (whose T6 lacks its factor thetadot) with surge added, times the rates. They are written in the wing's
-    axes, so that what depends on the motion alone is computed once for cases that share it.
+    axes, and what cases have in common is computed once.
 
     Args:
         section: the modes, see `Series.section`.
@@ -244,18 +248,21 @@ def inertial_power(section: Any, motion: Array, state: Array) -> Array:
         state: modal state, shape (3, modes, ...).
     """
     _, rate, accel, _, theta_rate, theta_accel, _, surge_rate, surge_accel, cosine, sine = motion
-    q, q_rate, q_accel = state
     across, along = cosine * rate - sine * surge_rate, sine * rate + cosine * surge_rate
     across_accel, along_accel = cosine * accel - sine * surge_accel, sine * accel + cosine * surge_accel
-    turning = theta_rate**2
+    turning, spinning = 2.0 * theta_rate**2, theta_rate * theta_accel
+    turned = theta_accel * across - theta_rate**2 * along + theta_rate * across_accel
+    bent = theta_accel * along + theta_rate**2 * across + theta_rate * along_accel
     power = section.mass * (rate * accel + surge_rate * surge_accel)
-    power += section.first_moment * (theta_accel * across - turning * along + theta_rate * across_accel)
-    power += (section.second_moment + summed(q * q)) * (theta_rate * theta_accel)
-    power += summed(q * q_rate) * (2.0 * turning)
-    power += weighted(section.lam, q_accel) * across
-    power += weighted(section.psi, q_accel) * theta_rate
-    power -= weighted(section.lam, q_rate) * (2.0 * theta_rate * along)
-    power -= weighted(section.lam, q) * (theta_accel * along + turning * across + theta_rate * along_accel)
+    power = power + section.first_moment * turned + section.second_moment * spinning
+    for lam, psi, q, q_rate, q_accel in zip(section.lam, section.psi, *state, strict=True):
+        of_mode = q * spinning
+        of_mode += q_rate * turning
+        of_mode -= lam * bent
+        of_mode *= q
+        of_mode += q_accel * (lam * across + psi * theta_rate)
+        of_mode -= q_rate * (lam * (2.0 * theta_rate * along))
+        power = power + of_mode
     return power
 
 
@@ -265,13 +272,12 @@ def mechanical_energy(section: Any, motion: Array, state: Array) -> Array:
     Arguments as of `inertial_power`.
     """
     _, rate, _, _, theta_rate, _, _, surge_rate, _, cosine, sine = motion
-    q, q_rate, _ = state
     across, along = cosine * rate - sine * surge_rate, sine * rate + cosine * surge_rate
-    twice = section.mass * (rate**2 + surge_rate**2) + (section.second_moment + summed(q * q)) * theta_rate**2
-    twice += summed(q_rate * q_rate) + weighted(section.omega**2, q * q)
-    energy = 0.5 * twice + section.first_moment * (theta_rate * across)
-    energy += weighted(section.lam, q_rate) * across + weighted(section.psi, q_rate) * theta_rate
-    energy -= weighted(section.lam, q) * (theta_rate * along)
+    energy = 0.5 * (section.mass * (rate**2 + surge_rate**2) + section.second_moment * theta_rate**2)
+    energy = energy + section.first_moment * (theta_rate * across)
+    for lam, psi, omega, q, q_rate in zip(section.lam, section.psi, section.omega, *state[:2], strict=True):
+        energy = energy + 0.5 * (q_rate**2 + q**2 * (omega**2 + theta_rate**2))
+        energy += q_rate * (lam * across + psi * theta_rate) - q * (lam * theta_rate * along)
     return energy
 
 
@@ -287,14 +293,4 @@ def weighted(weights: Array, modes: Array) -> Array:
     total = weights[0] * modes[0]
     for weight, values in zip(weights[1:], modes[1:], strict=True):
         total += weight * values
-    return total
-
-
-def summed(modes: Array) -> Array:
-    """The sum over the modes, added in order; `modes[0]` itself if it is the only one."""
-    if not len(modes):
-        return np.zeros(modes.shape[1:])
-    total: Array = modes[0]
-    for values in modes[1:]:
-        total = total + values
     return total

@@ -62,7 +62,9 @@ class Beats:
 
     def squares(self, force_y: Array, force_z: Array) -> Array:
         """Sum over each beat of the squared force, N^2, shape (..., beats)."""
-        return self.sums(force_y**2 + force_z**2)
+        found = force_y**2
+        found += force_z**2
+        return self.sums(found)
 
     def force_size(self, squares: Array) -> Array:
         """Root-mean-square force over the second half of the beats, N, shape (...); of what `squares` gives."""

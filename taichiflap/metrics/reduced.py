@@ -115,9 +115,10 @@ class Kept:
         # What all runs share has one row.
         values = values[:1] if values.strides[0] == 0 else values
         first, last = int(self.beats.edges[0]), self.stop - 1
-        squares = np.zeros(values.shape)
-        np.subtract(values[:, first + 2 : self.stop], values[:, first : last - 1], out=squares[:, first + 1 : last])
-        np.square(squares, out=squares)
+        squares = np.empty(values.shape)
+        squares[:, : first + 1], squares[:, last:] = 0.0, 0.0
+        inner = squares[:, first + 1 : last]
+        np.square(np.subtract(values[:, first + 2 : self.stop], values[:, first : last - 1], out=inner), out=inner)
         begin, end = self.frame(values, 1) - self.frame(values, 0), values[:, last] - values[:, last - 1]
         ends = 4.0 * (begin**2 + end**2) - self.frame(squares, 0)
         return (self.total(squares) + ends) * ((0.5 / step) ** 2 / self.count)

@@ -1,5 +1,6 @@
 """Batches of cases with one solver, marched side by side, and the metrics of each case."""
 
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -30,6 +31,8 @@ WINDOW = 4096
 """Number of cases considered together to form batches of similar cost."""
 TOGETHER = 16
 """Number of cases that are measured together: their arrays stay in the processor's cache."""
+SAME = 4
+"""Number of cases with the same motion that are worth to be measured apart from others: less is to be computed."""
 LOOKED_AT = 512
 """Number of cases sampled to estimate the work of a study."""
 
@@ -166,21 +169,26 @@ def compute(
 
 def _alike(march: March, members: Sequence[int]) -> Iterator[tuple[list[int], list[Reference]]]:
     """Cases of a batch that `Series` can derive together, with their reference values."""
-    columns = march.columns
     groups: dict[Any, list[tuple[int, Reference]]] = {}
     for b in members:
         case, scale = march.cases[b], reference(march.cases[b])
         key = case.steps, march.sections[b].count, case.fluid.streams, bool(scale.force)
         groups.setdefault(key, []).append((b, scale))
     for group in groups.values():
-        first = 0
-        for last in range(1, len(group) + 1):
-            turns = last < len(group) and columns[group[last][0]] is not columns[group[last - 1][0]]
-            # A few are as fast, if they share their motion.
-            if last in (first + TOGETHER, len(group)) or (turns and last >= first + TOGETHER // 4):
-                numbers, scales = zip(*group[first:last], strict=True)
-                yield list(numbers), list(scales)
-                first = last
+        mixed: list[tuple[int, Reference]] = []
+        for _, sharing in itertools.groupby(group, lambda one: id(march.columns[one[0]])):
+            same = list(sharing)
+            if len(same) < SAME:
+                mixed += same
+            else:
+                yield from _cut(same)
+        yield from _cut(mixed)
+
+
+def _cut(group: Sequence[tuple[int, Reference]]) -> Iterator[tuple[list[int], list[Reference]]]:
+    for first in range(0, len(group), TOGETHER):
+        members, scales = zip(*group[first : first + TOGETHER], strict=True)
+        yield list(members), list(scales)
 
 
 def _series(
