@@ -256,7 +256,7 @@ class March:
         self._lanes = tasks(len(self.cases), threads)
         self._room = 0, 0
         room = min(room, self.steps + 1)
-        self._make_room(room, max(case.frames(room) for case in self.cases))
+        self._make_room(room, max(case.frames(room) for case in self.cases) if store_outputs else 1)
 
     @property
     def done(self) -> bool:

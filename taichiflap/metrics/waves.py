@@ -1,5 +1,6 @@
 """Harmonics of a series, the phase of its first, and the times of stroke reversal."""
 
+import cmath
 import functools
 import math
 
@@ -81,7 +82,9 @@ def phase(case: Case, last: float, force: complex) -> float | None:
     None without a driving motion, or if the harmonic is zero.
     """
     driver = _driver(case, round(last / case.beat))
-    return None if driver is None or not force else 180.0 - (180.0 - float(np.angle(force / driver, deg=True))) % 360.0
+    if driver is None or not force:
+        return None
+    return 180.0 - (180.0 - math.degrees(cmath.phase(force / driver))) % 360.0
 
 
 def _driver(case: Case, count: int) -> complex | None:

@@ -97,9 +97,12 @@ def _batch(gathered: list[tuple[Any, int, Case]]) -> Batch:
     return Batch([number for _, number, _ in gathered], cases, sum(key[2] for key, *_ in gathered))
 
 
-def whole_work(case: Case, design: Design, pending: np.ndarray) -> float:
+def whole_work(case: Case, design: Design, pending: np.ndarray, checked: dict[Any, Any] | None = None) -> float:
     """Approximate cost of the pending cases of a design, in pair interactions, estimated from a sample if they are
     many.
+
+    Args:
+        checked: see `Case.changed`.
     """
     # A random sample, since evenly spaced cases of a grid may share the value of a key.
     several = len(pending) > LOOKED_AT
@@ -107,7 +110,7 @@ def whole_work(case: Case, design: Design, pending: np.ndarray) -> float:
     found = 0.0
     for number in looked_at.tolist():
         with suppress(CaseError):
-            found += work(design.case(case, number))
+            found += work(design.case(case, number, checked))
     return found * len(pending) / max(1, len(looked_at))
 
 

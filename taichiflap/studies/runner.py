@@ -40,11 +40,12 @@ class Runner:
 
     Args:
         threads: number of threads; None for all.
+        checked: see `Case.changed`.
     """
 
-    def __init__(self, study: Study, threads: int | None) -> None:
+    def __init__(self, study: Study, threads: int | None, checked: dict[Any, Any] | None = None) -> None:
         self.study, self._threads = study, threads
-        self._checked: dict[Any, Any] = {}
+        self._checked = {} if checked is None else checked
         self._spare = Spare()
 
     def run(self, numbers: np.ndarray, progress: Progress) -> Iterator[Done]:

@@ -166,16 +166,17 @@ def fill(
         ClusterError: if the cluster does not answer, or cannot run taichiflap.
     """
     pending = sheet.pending
-    work = whole_work(sheet.case, sheet.design, pending) if progress else 0.0
+    checked: dict[Any, Any] = {}
+    work = whole_work(sheet.case, sheet.design, pending, checked) if progress else 0.0
     tally = Tally(sheet.design.size - len(pending), sheet.design.size, work, progress)
     study = Study(sheet.case, sheet.design, sheet.metrics, sheet.keeps_series)
     processes = workers.worth(sheet.case, len(pending), threads or available_threads())
     if cluster and len(pending):
         done = _there(cluster, study, pending)
     elif processes > 1:
-        done = workers.shared(study, pending, processes, tally.tell)
+        done = workers.shared(Runner(study, 1, checked), pending, processes, tally.tell)
     else:
-        done = Runner(study, threads).run(pending, tally.tell)
+        done = Runner(study, threads, checked).run(pending, tally.tell)
     unwritten = Unwritten(sheet)
     tally.tell()
     try:

@@ -46,17 +46,17 @@ def worth(case: Case, pending: int, threads: int) -> int:
     return max(1, min(threads, pending // SHARE))
 
 
-def shared(study: Study, pending: np.ndarray, count: int, progress: Progress) -> Iterator[Done]:
+def shared(here: Runner, pending: np.ndarray, count: int, progress: Progress) -> Iterator[Done]:
     """Run cases in `count` processes, this one among them, each on one thread; they come in any order.
 
     Args:
+        here: what runs them in this process.
         progress: told of the batches that run here.
     """
-    waiting = _jobs(study, pending, count)
+    waiting = _jobs(here.study, pending, count)
     come: queue.SimpleQueue[tuple[Worker, np.ndarray, list[Done] | None]] = queue.SimpleQueue()
-    here = Runner(study, 1)
     with contextlib.ExitStack() as stack:
-        crew = [stack.enter_context(Worker(study, come)) for _ in range(count - 1)]
+        crew = [stack.enter_context(Worker(here.study, come)) for _ in range(count - 1)]
         running = 0
         while True:
             for worker in crew:
