@@ -57,6 +57,11 @@ class Modes:
         """Natural frequencies, Hz."""
         return self.omega / (2.0 * math.pi)
 
+    @property
+    def shapes(self) -> Callable[[Array], tuple[Array, Array]]:
+        """Shapes and slopes as functions of y/c: the same object for uniform sections that share them."""
+        return self._shape
+
     def shape(self, y: ArrayLike) -> Array:
         """Mass-normalised mode shapes phi_k at chordwise positions `y` (m): shape (modes, len(y)), 1/sqrt(kg)."""
         return self._shape(np.asarray(y, dtype=np.float64) / self.chord)[0]
@@ -121,8 +126,14 @@ def _uniform(wing: Wing, damping: Array, offset: float) -> Modes:
         mass=mass,
         first_moment=mass * (centre - offset),
         second_moment=mass * wing.chord**2 / 3.0 - mass * offset * (wing.chord - offset),
-        _shape=functools.partial(_cantilevers, beta, mass),
+        _shape=_uniform_shapes(wing.modes, mass),
     )
+
+
+@functools.lru_cache(maxsize=256)
+def _uniform_shapes(count: int, mass: float) -> Callable[[Array], tuple[Array, Array]]:
+    beta = np.array([cantilever_root(k) for k in range(1, count + 1)])
+    return functools.partial(_cantilevers, beta, mass)
 
 
 def _mass_and_speed(wing: Wing) -> tuple[float, float]:

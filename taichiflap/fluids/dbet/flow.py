@@ -12,7 +12,7 @@ the predicted rates.
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -116,13 +116,14 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
     cosines, lifts = np.zeros((count, coefficients, most)), np.zeros((count, loads_of, most))
     strip = np.zeros((count, 2 + modes, 2 + modes))
     tables = element, strip, shape, slope, sines, shape_sine, cosines, lifts
-    laid: dict[tuple[int, int], int] = {}
+    laid: dict[Any, int] = {}
+    rows: list[int] = []
     for b, (case, section) in enumerate(zip(cases, sections, strict=True)):
-        # The cases of a study often share their wing.
-        same = laid.setdefault((id(section), case.dbet.elements), b)
-        if same < b:
-            for table in tables:
-                table[b] = table[same]
+        # The cases of a study often share their wing, but for its stiffness.
+        wing = case.wing
+        own = id(section.shapes), wing.chord, wing.pivot, wing.span, case.dbet.elements
+        rows.append(laid.setdefault(own, b))
+        if rows[b] < b:
             continue
         n, y = case.dbet.elements, elements.middles(case)
         element[b, POSITION, :n] = y
@@ -136,6 +137,8 @@ def flow(cases: Sequence[Case], sections: Sequence[Modes]) -> Flow:
             sines[b, :, :n] = added_mass.table(case)
             shape_sine[b] = (shape[b, :, None] * sines[b]).sum(axis=2)
             cosines[b, :, :n], lifts[b, :, :n] = attached.cosines(n), attached.loads(n)
+    for table in tables if len(laid) < count else ():
+        table[:] = table[rows]
     settings = np.array([_settings(case) for case in cases])
     strip *= settings[:, STRIP, None, None]
     blades = Blades(
