@@ -281,7 +281,10 @@ class Case(CaseTable):
         if all(key in checked for key in keys.values()):
             tables = {name: checked[key] for name, key in keys.items()}
             with suppress(ValueError):  # which is told below
-                return Case.model_construct(**dict(self) | tables)._together()._from(Origin(self.origin.folder))
+                found = self.model_copy(update=tables)
+                for derived in [name for name in found.__dict__ if name.startswith("_")]:
+                    del found.__dict__[derived]
+                return found._together()._from(Origin(self.origin.folder))
         case = self._checked(values, source)
         # Cases that share a table's values share the table.
         case.__dict__.update({name: checked.setdefault(key, getattr(case, name)) for name, key in keys.items()})
