@@ -5,12 +5,8 @@ import sys
 
 import pytest
 
-<<<<<<< HEAD
 from taichiflap import doors
-from taichiflap.fluids.dbet import added_mass, attached, elements, loads, separated
-=======
 from taichiflap.fluids.dbet import added_mass, attached, elements, loads, separated, strips
->>>>>>> 4b4b937 (Blade elements: strips as a mass matrix, one reciprocal speed, leaner loops; modal arrays with known shapes)
 from taichiflap.fluids.dbet import flow as dbet
 from taichiflap.fluids.uvlm import flow as uvlm
 from taichiflap.fluids.uvlm import lattice, merging, tangential, wake
