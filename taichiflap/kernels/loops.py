@@ -21,7 +21,7 @@ Results are the same. Loops of functions marked with `repeated` are left to LLVM
 import ast
 import itertools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -47,44 +47,39 @@ def count_passes(taichi: Any) -> None:
         own = function.func.__module__.partition(".")[0] == PACKAGE
         # The outermost loop of a kernel is parallel.
         if own and not named.get("is_kernel", True) and not hasattr(function.func, "repeated"):
-            tree = ast.fix_missing_locations(_Counted().visit(tree))
+            tree.body = _counted(tree.body, itertools.count())
         return tree, context
 
     kernels._get_tree_and_ctx = read_counted
 
 
-class _Counted(ast.NodeTransformer):
-    """Replaces the loops of one function."""
-
-    def __init__(self) -> None:
-        self._loops = itertools.count()
-
-    def visit_For(self, loop: ast.For) -> list[ast.stmt] | ast.For:
-        self.generic_visit(loop)
-        match loop:
+def _counted(body: list[ast.stmt], numbers: Iterator[int]) -> list[ast.stmt]:
+    """Statements of one function with its loops replaced; `numbers` distinguish them."""
+    found: list[ast.stmt] = []
+    for statement in body:
+        for part in ("body", "orelse"):
+            if inner := getattr(statement, part, None):
+                setattr(statement, part, _counted(inner, numbers))
+        match statement:
             case ast.For(target=ast.Name(index), iter=ast.Call(func=ast.Name("range"), args=[stop])):
-                return self._counted(loop, index, "0", stop)
+                found += _passes(statement, index, None, stop, next(numbers))
             case ast.For(target=ast.Name(index), iter=ast.Call(func=ast.Name("range"), args=[start, stop])):
-                return self._counted(loop, index, ast.unparse(start), stop)
-        return loop
+                found += _passes(statement, index, start, stop, next(numbers))
+            case _:
+                found.append(statement)
+    return found
 
-    def _counted(self, loop: ast.For, index: str, start: str, stop: ast.expr) -> list[ast.stmt]:
-        number = next(self._loops)
-        following, count, last = (f"{name}_of_loop_{number}" for name in ("following", "count", "last"))
-        statements = ast.parse(
-            f"{following} = int({start})\n"
-            f"{count} = float({following})\n"
-            f"{last} = float({ast.unparse(stop)})\n"
-            f"while {count} < {last}:\n"
-            f"    {index} = {following}\n"
-            f"    {following} += 1\n"
-            f"    {count} += 1.0\n"
-        ).body
-        for statement in statements:
-            for node in ast.walk(statement):
-                if isinstance(node, ast.stmt | ast.expr):
-                    node.lineno = node.end_lineno = loop.lineno
-        passes = statements[-1]
-        assert isinstance(passes, ast.While)
-        passes.body += loop.body
-        return statements
+
+def _passes(loop: ast.For, index: str, start: ast.expr | None, stop: ast.expr, number: int) -> list[ast.stmt]:
+    following, count, last = (f"{name}_of_loop_{number}" for name in ("following", "count", "last"))
+    # At the loop's place in the source, for messages.
+    statements: Any = ast.parse(
+        "\n" * (loop.lineno - 1) + f"{following} = int(0); {count} = float({following}); {last} = float(0)\n"
+        f"while {count} < {last}: {index} = {following}; {following} += 1; {count} += 1.0"
+    ).body
+    first, _, end, passes = statements
+    if start:
+        first.value.args[0] = start
+    end.value.args[0] = stop
+    passes.body += loop.body
+    return list(statements)
