@@ -67,9 +67,7 @@ def add_up(octet):
 def superpose_octet(shape: View, state: View, b, row, block, count):
     """`sum_k phi_k q_k` of a row of a modal state at eight elements."""
     total = Octet(0.0)
-    if count > 0:
-        total = shape[b, 0, block] * state[b, row, 0]
-    for k in range(1, count):
+    for k in range(count):
         total += shape[b, k, block] * state[b, row, k]
     return total
 
@@ -78,9 +76,7 @@ def superpose_octet(shape: View, state: View, b, row, block, count):
 def superpose_change(shape: View, state: View, before: View, b, row, block, count):
     """`sum_k phi_k (q_k - q'_k)` of a row of two modal states at eight elements."""
     total = Octet(0.0)
-    if count > 0:
-        total = shape[b, 0, block] * (state[b, row, 0] - before[b, row, 0])
-    for k in range(1, count):
+    for k in range(count):
         total += shape[b, k, block] * (state[b, row, k] - before[b, row, k])
     return total
 

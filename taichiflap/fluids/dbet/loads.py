@@ -134,7 +134,6 @@ def sum_forces(body: View, flow: View, b, n, used: View, stored: View):
     theta_rate = body.motion[b, n, PITCH_RATE]
     rigid = strips.rigid_accel(body, b, n)
     lifting = settle_flow(body, flow, b, used)
-    leaning = leans(flow, b, used)
     total_normal = Octet(0.0)
     total_axial = Octet(0.0)
     total_moment = Octet(0.0)
@@ -156,7 +155,7 @@ def sum_forces(body: View, flow: View, b, n, used: View, stored: View):
             if lifting == 1:
                 normal = normal - flow.element[b, LIFTED, block] * attached.operate(flow, b, block)
         drag = Octet(0.0)
-        if leaning:
+        if leans(flow, b, used):
             lean = flow.element[b, LEAN, block]
             drag = flow.element[b, SHEARING, block] + lean * (normal + strip)
             normal = normal - lean * flow.element[b, SHEARING, block]
