@@ -294,19 +294,19 @@ def test_only_what_is_missing_runs_again(case, tmp_path, monkeypatch):
 
 def test_a_sweep_that_is_killed_loses_no_finished_batch(tmp_path):
     """The process is killed at a random moment, and the same command completes the sweep."""
-    settings = ["--set=time.periods=1", "--set=uvlm.panels=20", "--threads=1"]
+    settings = ["--set=time.periods=4", "--set=uvlm.panels=20", "--threads=1"]
     command = [sys.executable, "-c", KILLED.format(batch=5), "sweep", str(CASES / "hawkmoth.toml"), *settings]
-    command += ["--vary", "wing.youngs_modulus=1e10:2e10:30", "-o", "map.h5"]
+    command += ["--vary", "wing.youngs_modulus=1e10:2e10:200", "-o", "map.h5"]
     with subprocess.Popen(command, cwd=tmp_path) as process:
         until = time.monotonic() + 120
         while not done(tmp_path / "map.h5") and time.monotonic() < until:
             time.sleep(0.02)
         process.kill()
     finished = done(tmp_path / "map.h5")
-    assert 0 < finished < 30
+    assert 0 < finished < 200
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert f"{finished} of 30 cases are done already" in ran.stdout
-    assert "30 complete, 0 failed" in ran.stdout
+    assert f"{finished} of 200 cases are done already" in ran.stdout
+    assert "200 complete, 0 failed" in ran.stdout
 
 
 KILLED = """

@@ -39,12 +39,15 @@ def sweep(
     case = load_case(case_file, settings or ())
     planned = design(case, read_vary(vary), sample, seed)
     path = output or Path(f"{case_file.stem}-map.h5")
-    with study.prepare(case, planned, path, metrics=metric or (), keep=keep, overwrite=overwrite) as sheet:
+    advice = f"interrupted: {path} keeps every finished batch; the same command continues"
+    with (
+        interruptible(advice),
+        study.prepare(case, planned, path, metrics=metric or (), keep=keep, overwrite=overwrite) as sheet,
+    ):
         missing = len(sheet.pending)
         if missing < planned.size:
             print(f"{path}: {planned.size - missing:,} of {planned.size:,} cases are done already")
-        advice = f"interrupted: {path} keeps every finished batch; the same command continues"
-        with interruptible(advice), progress(case.title or "sweep") as update, heard(update) as tell:
+        with progress(case.title or "sweep") as update, heard(update) as tell:
             study.fill(sheet, cluster=cluster, threads=threads, progress=tell)
         _print_map(sheet)
 
