@@ -19,7 +19,6 @@ import numpy as np
 from ...case.case import Case
 from ...kernels import linear
 from ...kernels.arrays import array, octet_array, zeros
-from ...kernels.held import held
 from ...kernels.runtime import Floats2, Floats3, Ints1, Ints2, Octets3, View, ti
 from ...march.state import common_modes, held_body, most_modes
 from ...march.stream import streams
@@ -54,10 +53,6 @@ from .elements import (
     U_T,
 )
 from .separated import BROADSIDE
-
-HELD = ("element",), ("shape", "shape_slope")
-"""Arrays whose shapes the kernel of the paper's model reads once, see `taichiflap.kernels.held`. In that of the others
-this gains 3 % of a step and costs a quarter more to compile."""
 
 Blades = ti.types.argpack(
     elements=Ints1,
@@ -224,25 +219,23 @@ def blend(body: View, flow: View, b, n, mean_n, mean_t, used: View):
 def prepare(batch: View, b, n, rule, used: View):
     """Modal force of step `n`."""
     body = ti.static(held_body(batch.body, used.modes))
-    flow = ti.static(held(batch.flow, *(() if used.extended else HELD)))
-    mean_n, mean_t = separated.linearise(body, flow, b, n, used)
+    mean_n, mean_t = separated.linearise(body, batch.flow, b, n, used)
     if ti.static(used.extended):
-        blend(body, flow, b, n, mean_n, mean_t, used)
+        blend(body, batch.flow, b, n, mean_n, mean_t, used)
     if ti.static(used.extended):
-        if flow.option[b, POTENTIAL] == 1:
-            added_mass.flux_rates(body, flow, b, n, rule, used)
+        if batch.flow.option[b, POTENTIAL] == 1:
+            added_mass.flux_rates(body, batch.flow, b, n, rule, used)
     if ti.static(used.extended):
-        if flow.option[b, ATTACHED] == 1:
-            attached.lift(body, flow, b, rule, used)
-    loads.load_modes(body, flow, b, n, rule, used)
+        if batch.flow.option[b, ATTACHED] == 1:
+            attached.lift(body, batch.flow, b, rule, used)
+    loads.load_modes(body, batch.flow, b, n, rule, used)
 
 
 @ti.func
 def settle(batch: View, b, n, rule, used: View):
     """Forces of step `n` at the known modal acceleration."""
     body = ti.static(held_body(batch.body, used.modes))
-    flow = ti.static(held(batch.flow, *(() if used.extended else HELD)))
-    loads.sum_forces(body, flow, b, n, used, ti.static("output" in batch.keys))
+    loads.sum_forces(body, batch.flow, b, n, used, ti.static("output" in batch.keys))
 
 
 @ti.func
